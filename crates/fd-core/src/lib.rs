@@ -67,6 +67,7 @@ mod storage;
 
 #[cfg(feature = "testing")]
 pub mod testing;
+mod visitor;
 
 pub use crate::{
     dims::{IoDims, Shape},
@@ -78,6 +79,7 @@ pub use crate::{
     pipeline::{DynPipeline, DynStages, MissingSamples, Pipeline, Stages, Step},
     scalar::Scalar,
     sink::Sink,
-    snapshot::{Snapshot, SnapshotError, StateVisitor},
+    snapshot::{Snapshot, SnapshotError},
     storage::{Buffer, Fixed, Heap, HeapMap, Storage},
+    visitor::StateVisitor,
 };

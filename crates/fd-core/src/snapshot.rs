@@ -8,61 +8,18 @@
 //! themselves are checked.
 
 mod checksum;
+mod field;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use self::checksum::Checksum;
-use crate::{scalar::Scalar, stage::Stage};
+use self::{checksum::Checksum, field::Field};
+use crate::{scalar::Scalar, stage::Stage, visitor::StateVisitor};
 
 /// Version of the way in which snapshots are kept.
 const VERSION: u32 = 1;
 /// Largest counter: below it `f64` holds every whole number, and no counter of samples gets there.
 const MOST: u64 = 1 << 53;
-
-/// Walks over the memory of a stage.
-///
-/// A stage hands out every number that influences its future, always in the same order. A
-/// visitor may read or overwrite them. [`Snapshot`] is made of three visitors: one that reads, one
-/// that compares names and lengths, one that writes. Others are easily written:
-///
-/// ```
-/// use fd_core::{StateVisitor, stage::Stage};
-///
-/// /// How many numbers a stage remembers.
-/// #[derive(Default)]
-/// struct Size(usize);
-///
-/// impl<T> StateVisitor<T> for Size {
-///     fn reals(&mut self, _name: &'static str, values: &mut [T]) {
-///         self.0 += values.len();
-///     }
-///
-///     fn counts(&mut self, _name: &'static str, values: &mut [u64]) {
-///         self.0 += values.len();
-///     }
-/// }
-///
-/// fn size(stage: &mut dyn Stage) -> usize {
-///     let mut size = Size::default();
-///     stage.visit_state(&mut size);
-///     size.0
-/// }
-///
-/// assert_eq!(size(&mut fd_core::stage::Uncompensated::new(3)), 0);
-/// ```
-pub trait StateVisitor<T> {
-    /// Visits real numbers.
-    fn reals(&mut self, name: &'static str, values: &mut [T]);
-
-    /// Visits real numbers of which some are NaN where nothing is known yet, or nobody is.
-    fn reals_with_holes(&mut self, name: &'static str, values: &mut [T]) {
-        self.reals(name, values);
-    }
-
-    /// Visits counters, flags and other integers.
-    fn counts(&mut self, name: &'static str, values: &mut [u64]);
-}
 
 /// The memory of a stage or pipeline at one instant.
 ///
@@ -76,13 +33,6 @@ pub struct Snapshot {
     version: u32,
     checksum: Checksum,
     fields: Vec<Field>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Field {
-    name: String,
-    bits: Vec<u64>,
 }
 
 /// A snapshot is damaged, or does not belong to the stage it is restored into.

@@ -9,8 +9,9 @@ use std::fmt::Debug;
 use crate::{
     frame::Frame,
     scalar::Scalar,
-    snapshot::{Snapshot, StateVisitor},
+    snapshot::Snapshot,
     stage::{ResidualGenerator, Stage},
+    visitor::StateVisitor,
 };
 
 /// One of a list: a name, and a stage behind it. `Named<dyn Detector>` is a detector of any kind.

@@ -13,13 +13,13 @@ use fd_sim::{
     scales::ReplayScales,
 };
 
-use super::{Candidate, Effect, EffectParameter, Kind, Offers, SiteRef};
+use super::{Candidate, Effect, EffectParameter, Kind, NotTestable, SiteRef};
 
 /// The simplest law of an effect at all places of a kind together, for each kind of which there are several. `offered` is what
 /// the effect offers for the model at each of them.
 pub(super) fn alike(
     effect: &dyn Effect,
-    offered: &Offers,
+    offered: &[Result<Candidate, NotTestable>],
     nominal: &Model,
     scales: &ReplayScales,
 ) -> Vec<Candidate> {

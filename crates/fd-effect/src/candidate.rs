@@ -6,6 +6,9 @@ use thiserror::Error;
 
 use super::site::{Side, SiteRef};
 
+/// What an effect offers: one candidate per law and site, or the reason why there is none.
+pub type Offers = Vec<Result<Candidate, NotTestable>>;
+
 /// A cause of a gap between simulator and reality, tried at every site where it makes sense.
 ///
 /// An effect is physical knowledge: what friction does, how a valve sticks, in which ways a sensor can be

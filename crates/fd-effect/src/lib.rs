@@ -58,8 +58,8 @@ use fd_sim::{model::Model, scales::ReplayScales};
 use self::alike::alike;
 pub use self::{
     candidate::{
-        Candidate, Effect, EffectParameter, InAnotherRun, Kind, NotTestable, Observation, Reason,
-        Rounding,
+        Candidate, Effect, EffectParameter, InAnotherRun, Kind, NotTestable, Observation, Offers,
+        Reason, Rounding,
     },
     default_sites::with_default_sites,
     inner_places::with_inner_places,
@@ -69,9 +69,6 @@ pub use self::{
     sketch::Sketch,
     suspects::{EverySite, Suspects},
 };
-
-/// What an effect offers: one candidate per law and site, or the reason why there is none.
-pub type Offers = Vec<Result<Candidate, NotTestable>>;
 
 /// All effects that are known: the lists of the four sides, one after the other.
 ///

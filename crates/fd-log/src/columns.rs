@@ -1,86 +1,15 @@
 //! From the column map and the header to the columns that are read.
 
-use fd_model::{Channel, Circle, SampleTime, unit::Conversion};
+use fd_model::{Channel, SampleTime, unit::Conversion};
 
 use crate::{
-    derived::{Derived, derived, derived_channel},
+    column::Column,
+    derived::{derived, derived_channel},
     error::LogError,
     header::{HeaderColumn, find, texts},
     map::{ColumnMap, LogMap, RowRule},
-    source::LogSource,
+    plain::plain,
 };
-
-/// A column that is read.
-#[derive(Debug)]
-pub(super) struct Column {
-    pub index: usize,
-    pub text: String,
-    pub conversion: Conversion,
-    /// The number that it always has, if it is none of the file.
-    pub constant: Option<f64>,
-    /// How it is computed from others, if it is none of the file.
-    pub derived: Option<Box<Derived>>,
-    /// An angle goes on from its last value, without the jumps of one that begins anew after a turn.
-    pub circle: Circle,
-    pub last: f64,
-}
-
-impl Column {
-    pub(super) fn new(index: usize, text: String, conversion: Conversion) -> Self {
-        let (circle, last) = (Circle::LINE, f64::NAN);
-        Self { index, text, conversion, constant: None, derived: None, circle, last }
-    }
-
-    /// The column and the channel that it becomes, in this unit.
-    pub(super) fn into_channel(
-        self,
-        file: &str,
-        map: &ColumnMap,
-        unit: &str,
-    ) -> Result<(Self, Channel), LogError> {
-        let channel = Channel::new(&map.name, unit).wrapping(map.wraps);
-        if map.wraps {
-            // Only angles wrap.
-            Conversion::between(unit, "rad").map_err(|source| LogError::Unit {
-                file: file.to_owned(),
-                column: self.text.clone(),
-                source,
-            })?;
-        }
-        Ok((Self { circle: channel.circle(), ..self }, channel))
-    }
-
-    /// Whether it is computed from the time of the row, too.
-    pub(super) fn needs_time(&self) -> bool {
-        self.derived.as_ref().is_some_and(|derived| derived.needs_time())
-    }
-
-    /// The number in the current row, in the unit of the channel.
-    pub(super) fn number(&mut self, source: &impl LogSource, now: Moment) -> Result<f64, LogError> {
-        let number = match (&mut self.derived, self.constant) {
-            (Some(derived), _) => match derived.number(source, now)? {
-                None => return Ok(f64::NAN),
-                Some(number) if number.is_finite() => number,
-                Some(number) => {
-                    let (file, column) = (source.file().to_owned(), self.text.clone());
-                    let found = number.to_string();
-                    return Err(LogError::Number { file, column, row: now.row, found });
-                }
-            },
-            (None, Some(number)) => number,
-            (None, None) => source.number(self.index)?,
-        };
-        Ok(self.circle.go_on(self.conversion.apply(number), &mut self.last))
-    }
-}
-
-/// Where a log is being read.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moment {
-    pub row: u64,
-    /// Time of the row in seconds, once it is known.
-    pub time: f64,
-}
 
 /// Where the time of a row comes from.
 #[derive(Debug)]
@@ -193,50 +122,5 @@ pub(super) fn resolve(
     if let Some(text) = &map.expression {
         return derived_channel(file, header, all, map, text);
     }
-    if let Some(number) = map.constant {
-        return constant(file, map, number);
-    }
-    let index = find(file, header, map.column.as_ref().unwrap_or(&map.name))?;
-    let HeaderColumn { text, unit: header_unit, .. } = &header[index];
-    let column_unit = match (header_unit, &map.column_unit) {
-        (Some(header), Some(map))
-            if Conversion::between(header, map) != Ok(Conversion::IDENTITY) =>
-        {
-            let (file, column) = (file.to_owned(), text.clone());
-            let (header, map) = (header.clone(), map.clone());
-            return Err(LogError::UnitConflict { file, column, header, map });
-        }
-        (Some(unit), _) | (None, Some(unit)) => Some(unit),
-        (None, None) => map.unit.as_ref(),
-    };
-    let column_unit = column_unit.map_or("1", String::as_str);
-    let unit = map.unit.as_deref().unwrap_or(column_unit);
-    let conversion = Conversion::between(column_unit, unit).map_err(|source| LogError::Unit {
-        file: file.to_owned(),
-        column: text.clone(),
-        source,
-    })?;
-    Column::new(index, text.clone(), conversion).into_channel(file, map, unit)
-}
-
-/// A channel that is no column.
-fn constant(file: &str, map: &ColumnMap, number: f64) -> Result<(Column, Channel), LogError> {
-    let (file, text) = (file.to_owned(), map.name.clone());
-    if map.column.is_some() || !number.is_finite() {
-        return Err(LogError::Constant {
-            file,
-            channel: text,
-            found: number,
-            column: map.column.clone(),
-        });
-    }
-    let unit = map.unit.as_deref().or(map.column_unit.as_deref()).unwrap_or("1");
-    let from = map.column_unit.as_deref().unwrap_or(unit);
-    match Conversion::between(from, unit) {
-        Ok(conversion) => {
-            let column = Column { constant: Some(number), ..Column::new(0, text, conversion) };
-            column.into_channel(&file, map, unit)
-        }
-        Err(source) => Err(LogError::Unit { file, column: text, source }),
-    }
+    plain(file, header, map)
 }

@@ -5,42 +5,16 @@
 //! missing makes the result missing, even where the expression would not need it.
 
 use fd_model::{Channel, Shown, nearest, unit::Conversion};
-use fd_sim::equation::{Expr, Program, Scope, Workspace};
+use fd_sim::equation::{Expr, Program, Scope};
 
 use crate::{
-    columns::{Column, Moment, resolve},
+    column::{Column, Derived},
     error::LogError,
+    expression::{TIME, names},
     header::HeaderColumn,
     map::{ColumnMap, LogMap},
-    source::LogSource,
+    plain::plain,
 };
-
-/// The time of a row, in the language of model files.
-const TIME: &str = "t";
-
-/// An expression, ready to be computed row by row.
-#[derive(Debug)]
-pub(super) struct Derived {
-    program: Program,
-    workspace: Workspace<f64>,
-    /// What its names stand for, in the order of the workspace; `None` is the time.
-    names: Vec<Option<Column>>,
-    /// Whether the time is among them.
-    needs_time: bool,
-}
-
-/// Names of columns in an expression; none where it is no expression, which is said when it is compiled.
-pub(super) fn names(text: &str) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    if let Ok(expression) = Expr::parse(text) {
-        expression.visit_names(&mut |name| {
-            if name != TIME && name != "pi" && !names.iter().any(|known| known == name) {
-                names.push(name.to_owned());
-            }
-        });
-    }
-    names
-}
 
 /// What is said of a name that is none.
 fn unknown(name: &str, header: &[HeaderColumn], map: &LogMap) -> String {
@@ -102,7 +76,7 @@ pub(super) fn derived(
             )));
         }
         let own = ColumnMap::new(name, name);
-        let column = resolve(file, header, map, named.unwrap_or(&own));
+        let column = plain(file, header, named.unwrap_or(&own));
         let column = column.map_err(|error| match (error, named) {
             (LogError::MissingColumn { .. }, None) => wrong(unknown(name, header, map)),
             (error, _) => error,
@@ -117,34 +91,4 @@ pub(super) fn derived(
     program.prepare(&mut workspace);
     let derived = Some(Box::new(Derived { program, workspace, names: columns, needs_time }));
     Ok(Column { derived, ..Column::new(0, text.to_owned(), Conversion::IDENTITY) })
-}
-
-impl Derived {
-    /// Whether it is computed from the time of the row, too.
-    pub(super) fn needs_time(&self) -> bool {
-        self.needs_time
-    }
-
-    /// The number of a row, in the unit of the expression; nothing where one of its columns has none.
-    pub(super) fn number(
-        &mut self,
-        source: &impl LogSource,
-        now: Moment,
-    ) -> Result<Option<f64>, LogError> {
-        let Self { program, workspace, names, needs_time } = self;
-        let mut is_missing = false;
-        for (value, column) in workspace.fast_mut().iter_mut().zip(names) {
-            *value = match column {
-                Some(column) => column.number(source, now)?,
-                None => now.time,
-            };
-            is_missing |= value.is_nan() && (column.is_some() || *needs_time);
-        }
-        if is_missing {
-            return Ok(None);
-        }
-        let mut results = [f64::NAN];
-        program.run(workspace, &mut results);
-        Ok(Some(results[0]))
-    }
 }

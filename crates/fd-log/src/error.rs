@@ -7,7 +7,7 @@ use fd_model::{Shown, ShownList, ShownMessage, TimeBaseError, file::FileAction, 
 use thiserror::Error;
 
 use crate::{
-    hints::{all_of, is_comma, no_time, of_column, unclear_date},
+    hints::{all_of, because, is_comma, no_time, of_column, unclear_date},
     map::RowRule,
 };
 
@@ -17,7 +17,7 @@ use crate::{
 #[non_exhaustive]
 pub enum LogError {
     /// The operating system refuses.
-    #[error("{file}: cannot {action}: {kind}")]
+    #[error("{file}: cannot {action}: {}", because(*kind))]
     Io {
         /// Name of the file.
         file: String,

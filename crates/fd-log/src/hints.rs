@@ -1,5 +1,7 @@
 //! What messages about logs add: conditions as people write them, and what may have been meant.
 
+use std::io;
+
 use fd_model::{Shown, ShownList};
 
 use crate::map::RowRule;
@@ -44,4 +46,12 @@ pub(crate) fn is_comma(text: &str) -> bool {
 /// The column of time, where there is one.
 pub(crate) fn of_column(column: Option<&String>) -> String {
     column.map_or(String::new(), |column| format!(", time from column `{}`", Shown(column)))
+}
+
+/// Why the operating system refuses, in everyday words.
+pub(crate) fn because(kind: io::ErrorKind) -> String {
+    match kind {
+        io::ErrorKind::NotFound => "there is no such file or folder".to_owned(),
+        kind => kind.to_string(),
+    }
 }

@@ -49,16 +49,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod column;
 mod columns;
 mod date;
 mod derived;
 mod error;
+mod expression;
 mod format;
 mod header;
 mod hints;
 mod info;
 mod limit;
 mod map;
+mod plain;
+mod read;
 mod reader;
 mod recording;
 mod source;
@@ -73,7 +77,8 @@ pub use self::{
     info::{ClockInfo, ColumnInfo, LogInfo, TableInfo, info},
     limit::MOST_BYTES,
     map::{ColumnMap, FileRows, LogMap, MergeMap, RowRule},
-    reader::{Log, LogReader, LogRow, read_log, read_log_from},
+    read::{read_log, read_log_from},
+    reader::{Log, LogReader, LogRow},
     recording::{Recording, Topic},
     source::LogSource,
     table::LogTable,

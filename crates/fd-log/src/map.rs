@@ -8,7 +8,7 @@ use fd_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{derived::names, time_map::TimeMap};
+use crate::{expression::names, time_map::TimeMap};
 
 /// The way from the columns of a log to the channels of a record.
 ///

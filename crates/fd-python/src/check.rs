@@ -10,10 +10,10 @@ use serde_json::json;
 use crate::{
     errors::Class,
     errors::input,
-    lender::Troubles,
     log::{LogInput, named},
     settings::Settings,
     simulator::{Simulator, explained, explained_as},
+    troubles::Troubles,
     watch,
 };
 

@@ -16,8 +16,8 @@ use pyo3::{exceptions::PyConnectionError, prelude::*};
 
 use crate::{
     errors::Class,
-    lender::Troubles,
     simulator::{self, Ready, explained_as},
+    troubles::Troubles,
 };
 
 /// Runs of a simulator, several side by side.

@@ -12,7 +12,7 @@ use pyo3::{
 };
 
 use crate::{
-    lender::{Troubles, is_divergence},
+    troubles::{Troubles, is_divergence},
     values::{Unfit, fill},
 };
 

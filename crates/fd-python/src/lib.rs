@@ -44,6 +44,7 @@ mod settings;
 mod simulator;
 mod stacked;
 mod study;
+mod troubles;
 mod values;
 mod watch;
 

@@ -17,7 +17,8 @@ use pyo3::prelude::*;
 use crate::{
     errors::{Class, class, input, raise},
     hosted::Hosted,
-    lender::{Lender, Lending, Troubles},
+    lender::{Lender, Lending},
+    troubles::Troubles,
 };
 
 /// A simulator, with or without effects in it.

@@ -8,10 +8,10 @@ use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
     errors::{Class, analysis, input},
-    lender::Troubles,
     log::{LogInput, named},
     settings::Settings,
     simulator::{Simulator, explained, explained_as},
+    troubles::Troubles,
     watch,
 };
 

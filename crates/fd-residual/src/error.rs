@@ -256,3 +256,8 @@ pub enum DesignError {
         rank: usize,
     },
 }
+
+/// A decomposition that does not converge.
+pub(crate) fn no_convergence(what: &'static str, order: usize) -> DesignError {
+    ModelError::NoConvergence { what, order }.into()
+}

@@ -74,6 +74,7 @@ pub mod least_order;
 pub mod matching;
 mod matrix;
 pub mod model_detection;
+mod natural;
 pub mod observer;
 pub mod optimal;
 pub mod parity;

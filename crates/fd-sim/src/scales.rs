@@ -1,98 +1,19 @@
 //! Sizes of all signals in a simulation of the nominal model.
 
+mod force;
 mod motion;
 mod parts;
+mod signal;
 
 use fd_model::SampleTime;
 
-use self::motion::SiteProbe;
+pub use self::{force::ForceScale, signal::SignalScale};
+use self::{force::is_discrete, motion::SiteProbe};
 use crate::{
-    equation::{Expr, Unary},
-    model::{Definition, Draft, Law, Model, Output, Site},
+    equation::Expr,
+    model::{Draft, Model, Output},
     simulate::{EquationSimulator, SimulateError, Simulator},
 };
-
-/// Size of a signal.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SignalScale {
-    /// Name, or the expression.
-    pub name: String,
-    /// Unit, if it is known.
-    pub unit: String,
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation.
-    pub std: f64,
-    /// Smallest value.
-    pub low: f64,
-    /// Largest value.
-    pub high: f64,
-    /// First value.
-    pub first: f64,
-}
-
-impl SignalScale {
-    /// Largest magnitude.
-    #[must_use]
-    pub fn peak(&self) -> f64 {
-        self.low.abs().max(self.high.abs())
-    }
-
-    /// Root of the mean square.
-    #[must_use]
-    pub fn rms(&self) -> f64 {
-        self.mean.hypot(self.std)
-    }
-
-    /// Whether the signal changes by more than rounding.
-    #[must_use]
-    pub fn moves(&self) -> bool {
-        self.std > 1e-9 * self.peak()
-    }
-
-    pub(crate) fn of(name: &str, unit: &str, values: impl Iterator<Item = f64> + Clone) -> Self {
-        let [mean, std] = fd_numeric::mean_and_deviation(values.clone());
-        let first = values.clone().next().unwrap_or(0.0);
-        let low = values.clone().fold(f64::INFINITY, f64::min);
-        let high = values.fold(f64::NEG_INFINITY, f64::max);
-        Self { name: name.to_owned(), unit: unit.to_owned(), mean, std, low, high, first }
-    }
-}
-
-/// Size of what a force moves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ForceScale {
-    /// Name of the site.
-    pub name: String,
-    /// Unit of the force.
-    pub unit: String,
-    /// The force that makes the accelerations of the replay, or the largest of those that they are the sum of, as of a spring
-    /// that a cylinder pushes slowly: the standard deviation divided by `|mobility|`. Zero when nothing moves.
-    pub force: f64,
-    /// Mean acceleration per force, with its sign: negative where a positive force works against
-    /// what is called the velocity.
-    pub mobility: f64,
-    /// Largest change of the velocity by a force of 1 in one integration step.
-    pub kick: f64,
-    /// Whether the force acts at the end of an integration step (states with update laws) instead
-    /// of during it.
-    pub is_discrete: bool,
-    /// Acceleration of the replay.
-    pub motion: SignalScale,
-    /// Acceleration of the nominal model, an expression of its names; a rate where the site has no
-    /// velocity, and a number where no equation of motion is known.
-    pub acceleration: Expr,
-    /// Acceleration per force, an expression.
-    pub compliance: Expr,
-    /// Definitions that the model does not have and that both need: slopes of its own definitions,
-    /// where those are too long to be written out. Few models need any.
-    pub helpers: Vec<Definition>,
-    /// The velocity on which the force works: that of the site, or the state it enters where the
-    /// site has neither velocity nor position (a current, which a voltage drives).
-    pub velocity: Option<(Expr, SignalScale)>,
-    /// The displacement on which the force works.
-    pub position: Option<(Expr, SignalScale)>,
-}
 
 /// Sizes of all signals in a simulation of the nominal model, from which effects take their units
 /// and starts.
@@ -323,40 +244,5 @@ impl Replay {
         let column = column.unwrap_or(self.y.len());
         let values = self.y.iter().skip(column).step_by(self.ny.max(1)).copied();
         SignalScale::of(name, unit, values.take_while(|x| x.is_finite()))
-    }
-}
-
-/// Whether a force at the site acts at the end of an integration step instead of during it.
-fn is_discrete(model: &Model, site: &Site) -> bool {
-    let entered = |name: &str| site.enters.iter().any(|(state, _)| state == name);
-    model.states.iter().any(|s| entered(&s.name) && matches!(s.law, Law::Update(_)))
-}
-
-impl ForceScale {
-    /// Whether the nominal model says what moves the site; a black box does not.
-    #[must_use]
-    pub fn has_equation(&self) -> bool {
-        !matches!(self.acceleration, Expr::Number(_))
-    }
-
-    /// The kick by which a law that pushes back like a spring bounds its stiffness: twice as large where a simulator outside
-    /// holds the force over its step, since it must not turn the motion round.
-    #[must_use]
-    pub fn held_kick(&self) -> f64 {
-        if self.has_equation() { self.kick } else { 2.0 * self.kick }
-    }
-
-    /// What fills or moves at the site: the position, else the velocity, which is the state that is entered where
-    /// the site names neither.
-    #[must_use]
-    pub fn level(&self) -> Option<&(Expr, SignalScale)> {
-        self.position.as_ref().or(self.velocity.as_ref())
-    }
-
-    /// `force` with the sign that makes it work against a motion or displacement to which it is
-    /// positive.
-    #[must_use]
-    pub fn against(&self, force: Expr) -> Expr {
-        if self.mobility < 0.0 { force } else { Expr::unary(Unary::Neg, force) }
     }
 }

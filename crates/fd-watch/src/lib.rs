@@ -52,6 +52,7 @@ mod clock;
 #[cfg(feature = "http")]
 mod http;
 mod input;
+mod learning;
 mod memory;
 mod message;
 mod monitor;
@@ -65,10 +66,11 @@ pub use self::{
     alarms::{AlarmSettings, Audit, Counted, SettingsError, Shelf},
     board::{Answer, Board, Health},
     input::{ColumnsError, Format, InputMap, Row, RowReader},
+    learning::Learning,
     memory::{LearnedRows, MemoryError, UnitMemory},
     message::{Alarm, Cleared, Event, Message, Reason, What, Why},
-    monitor::{Counts, Monitor, UnitStatus},
-    plan::{Learning, Plan, PlanError, Request},
+    monitor::{Counts, Monitor},
+    plan::{Plan, PlanError, Request},
     state::{Identity, Outbox, StateError, StateFolder},
-    unit::{Doing, Latest},
+    unit::{Doing, Latest, UnitStatus},
 };

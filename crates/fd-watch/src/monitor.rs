@@ -8,7 +8,7 @@ use crate::{
     memory::{LearnedRows, MemoryError, UnitMemory},
     message::{Event, Message, What},
     plan::{Plan, PlanError},
-    unit::{Doing, Latest, Unit},
+    unit::{Unit, UnitStatus},
 };
 
 /// Takes rows and says what they mean. It has no thread, no clock and no file: the same rows give the same
@@ -61,19 +61,6 @@ pub struct Counts {
     pub alarms: u64,
     /// Events told.
     pub events: u64,
-}
-
-/// How a unit is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnitStatus<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// What it does.
-    pub doing: Doing,
-    /// Its latest judged sample.
-    pub latest: Latest,
-    /// The question whether to train it again that waits for an answer.
-    pub wish: Option<&'a str>,
 }
 
 impl Monitor {

@@ -7,32 +7,19 @@ use fd_model::{
 };
 use fdiag::{
     spec::{ApplySpec, FaultPlace, NominalPlant, PipelineSpec},
-    training::{Healthy, Trained, TrainingError, inputs_move, train_within},
+    training::{Healthy, LONGEST_GAP, Trained, TrainingError, inputs_move, train_within},
 };
 use thiserror::Error;
 
 use crate::{
     alarms::{AlarmSettings, SettingsError},
     clock::ClockPlan,
+    learning::Learning,
     state::Identity,
 };
 
-/// Gaps of so many steps are bridged when nothing else is said, as in logs.
-const BRIDGED_STEPS: f64 = 5.0;
 /// Distance from a grid time that counts as none, in steps, as in logs.
 const TOLERANCE: f64 = 1e-3;
-
-/// Where a unit learns what is normal.
-#[derive(Clone, Debug)]
-pub enum Learning {
-    /// From logs of healthy plants, in the units of the channels; once, for all units.
-    Logs(Vec<Record>),
-    /// From its own first samples, which are taken to be healthy.
-    Stream {
-        /// How many samples on the even time base.
-        samples: u64,
-    },
-}
 
 /// What is wanted of a monitor.
 ///
@@ -191,7 +178,7 @@ impl Request {
         model.system.sample_time().map_or(Ok(()), |ts| same("the model", ts))?;
         logs.iter().try_for_each(|log| same("a healthy log", log.ts()))?;
         let seconds = step.seconds();
-        let gap = self.longest_gap.unwrap_or(BRIDGED_STEPS * seconds);
+        let gap = self.longest_gap.unwrap_or(LONGEST_GAP as f64 * seconds);
         if !(seconds <= gap && gap.is_finite()) {
             let expected = "at least the sample time, in seconds";
             return Err(PlanError::Range { what: "the longest gap", expected, found: gap });

@@ -10,7 +10,6 @@ use crate::{
     clock::{Clock, Tick},
     input::Runs,
     message::{Alarm, Cleared, Event, Message, Reason, What, Why},
-    monitor::UnitStatus,
     plan::{Plan, PlanError},
 };
 
@@ -44,6 +43,19 @@ pub struct Latest {
     pub statistic: f64,
     /// What it is compared with.
     pub threshold: f64,
+}
+
+/// How a unit is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitStatus<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// What it does.
+    pub doing: Doing,
+    /// Its latest judged sample.
+    pub latest: Latest,
+    /// The question whether to train it again that waits for an answer.
+    pub wish: Option<&'a str>,
 }
 
 pub(crate) struct Unit {

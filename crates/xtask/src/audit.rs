@@ -2,10 +2,7 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use crate::{
-    Faults,
-    sources::{read, rust_files},
-};
+use crate::sources::{Faults, read, rust_files};
 
 /// The page.
 const PAGE: &str = "docs/unsafe.md";

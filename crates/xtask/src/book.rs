@@ -6,7 +6,7 @@ use std::{
     process::Command,
 };
 
-use crate::Faults;
+use crate::sources::Faults;
 
 /// Reports of the gallery: name of the folder, and what `fdiag` is asked.
 const GALLERY: [(&str, &[&str]); 3] = [

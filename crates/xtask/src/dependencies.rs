@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::{Faults, sources::read};
+use crate::sources::{Faults, read};
 
 /// In-tree crates that each crate may import, in groups. Method crates are siblings: none knows another.
 const ALLOWED: [(&str, &[&[&str]]); 24] = [

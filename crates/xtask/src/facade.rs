@@ -2,7 +2,7 @@
 
 use std::{path::Path, process::Command};
 
-use crate::Faults;
+use crate::sources::Faults;
 
 /// Crates that belong to the command line, to reports and to sealed experiments.
 const NOT_IN_THE_FACADE: [&str; 7] =

@@ -6,7 +6,7 @@ use std::{
     process::Command,
 };
 
-use crate::{Faults, sources::read};
+use crate::sources::{Faults, read};
 
 /// What `deny.toml` allows.
 #[derive(Debug, Default)]

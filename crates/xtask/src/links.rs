@@ -7,7 +7,7 @@ use std::{
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
-use crate::{Faults, sources::read};
+use crate::sources::{Faults, read};
 
 /// Folders whose pages are not ours.
 const LEFT_OUT: [&str; 3] = ["target", ".git", "node_modules"];

@@ -5,9 +5,8 @@ use std::path::Path;
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
 use crate::{
-    Faults,
     links::markdown_files,
-    sources::{read, rust_files},
+    sources::{Faults, read, rust_files},
 };
 
 /// What defines an item.

@@ -2,7 +2,7 @@
 
 use std::{path::Path, process::Command};
 
-use crate::Faults;
+use crate::sources::Faults;
 
 /// Runs those tests such that they write.
 pub(crate) fn write(root: &Path) -> Faults {

@@ -2,10 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::{
-    Faults,
-    sources::{read, rust_files},
-};
+use crate::sources::{Faults, read, rust_files};
 
 /// Largest share of all lines of code, tests among them, that one crate may hold.
 const MOST: f64 = 0.17;

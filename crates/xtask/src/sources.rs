@@ -5,7 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::Faults;
+/// What a check returns: the faults it found, or why it could not run.
+pub(crate) type Faults = Result<Vec<String>, String>;
 
 /// Longest allowed source file, in lines: a longer one is asking to be two.
 const MAX_LINES: usize = 400;

@@ -2,7 +2,7 @@
 
 use fd_core::stage::Detector;
 
-use super::{design::statistics, error::LEAST_EXCEEDANCES, tail::Tail};
+use super::{error::LEAST_EXCEEDANCES, statistics::statistics, tail::Tail};
 use crate::{decide::Debouncing, rows::DrivenRows};
 
 /// The largest statistics of each beginning, ascending.

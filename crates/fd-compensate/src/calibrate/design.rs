@@ -8,12 +8,12 @@ use super::{
     beginning,
     bootstrap::CircularBlocks,
     error::{CalibrationError, LEAST_EXCEEDANCES},
+    statistics::statistics,
     tail::{Tail, exponential_tail, upper_quantile},
 };
 use crate::{
     count::whole,
     decide::Debouncing,
-    evaluate::debounced_statistics,
     rows::{DrivenRows, SampleRows},
 };
 
@@ -302,19 +302,6 @@ impl Question<'_> {
             }
         }
     }
-}
-
-/// The debounced statistics of a reset detector over the samples `drawn`.
-pub(super) fn statistics<D: Detector<f64> + ?Sized>(
-    detector: &mut D,
-    healthy: DrivenRows<'_>,
-    drawn: impl Iterator<Item = usize>,
-    debouncing: Debouncing,
-) -> Vec<f64> {
-    detector.reset();
-    let raw: Vec<f64> =
-        drawn.map(|k| detector.update(healthy.u(k), healthy.r(k)).statistic).collect();
-    debounced_statistics(&raw, debouncing)
 }
 
 /// The longest autocorrelation time of residual channels and statistic; `None` when one does not decay.

@@ -9,9 +9,10 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::{
     design::{
         Beyond, CalibratedThreshold, CalibrationPlan, FalseAlarms, LEAST_BLOCKS, automatic_block,
-        check, longest_memory, statistics,
+        check, longest_memory,
     },
     error::CalibrationError,
+    statistics::statistics,
     tail::{predictive_tail, upper_quantile},
 };
 use crate::{count::whole, decide::Debouncing, rows::DrivenRows};

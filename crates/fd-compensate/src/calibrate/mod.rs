@@ -38,6 +38,7 @@ mod bootstrap;
 mod design;
 mod error;
 mod held_out;
+mod statistics;
 mod tail;
 
 pub use self::{

@@ -9,11 +9,11 @@ use crate::{
     frame::Frame,
     scalar::Scalar,
     sink::Sink,
-    snapshot::StateVisitor,
     stage::{
         Compensation, Compensator, DecisionRule, Detector, Evidence, Phase, ResidualGenerator,
         Stage,
     },
+    visitor::StateVisitor,
 };
 
 /// A running diagnosis: the four stages, the buffers between them, and a policy for missing samples.

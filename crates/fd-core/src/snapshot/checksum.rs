@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::Field;
+use super::field::Field;
 
 /// Odd, with its bits well spread: the golden ratio in 64 bits.
 const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;

@@ -1,6 +1,6 @@
 //! From primary to compensated residuals.
 
-use crate::{event::Events, frame::Frame, scalar::Scalar, snapshot::StateVisitor, stage::Stage};
+use crate::{event::Events, frame::Frame, scalar::Scalar, stage::Stage, visitor::StateVisitor};
 
 /// Removes the estimated bias from the residual, `r* = r − μ̂`.
 ///

@@ -7,11 +7,11 @@ use crate::{
     dims::IoDims,
     frame::Frame,
     scalar::Scalar,
-    snapshot::StateVisitor,
     stage::{
         BiasModel, Compensation, Compensator, Decision, DecisionRule, Detector, Evidence,
         GuardReport, Identifier, Plant, ResidualGenerator, Stage, Verdict,
     },
+    visitor::StateVisitor,
 };
 
 macro_rules! forward {

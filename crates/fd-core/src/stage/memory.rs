@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::{scalar::Scalar, snapshot::StateVisitor};
+use crate::{scalar::Scalar, visitor::StateVisitor};
 
 /// A memory that can be restarted, saved and restored.
 ///

@@ -5,23 +5,12 @@ use fd_core::{Frame, IoDims, Scalar, stage::Stage};
 use fd_model::{Record, freeze};
 use fd_numeric::dense::Dense;
 
-use super::run::Monitor;
+use super::run::{Limits, Monitor};
 use crate::{
     error::DataError,
     limits::{check_level, empirical, hotelling, jackson_mudholkar},
     window::WindowMapDesign,
 };
-
-/// The largest values of the statistics that are normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Of T².
-    pub t2: f64,
-    /// Of the T² of what is left; none where there is no such statistic.
-    pub rest: Option<f64>,
-    /// Of Q; zero when the scores explain the windows to rounding, so that there is no Q.
-    pub q: f64,
-}
 
 /// What a method found in healthy logs.
 #[derive(Clone, Debug)]

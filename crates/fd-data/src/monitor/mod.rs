@@ -22,6 +22,6 @@ mod run;
 
 pub(crate) use self::design::Parts;
 pub use self::{
-    design::{Limits, MonitorDesign},
-    run::{Monitor, Statistic, Statistics},
+    design::MonitorDesign,
+    run::{Limits, Monitor, Statistic, Statistics},
 };

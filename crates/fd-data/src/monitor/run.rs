@@ -5,7 +5,6 @@ use fd_core::{
     stage::{ResidualGenerator, Stage},
 };
 
-use super::design::Limits;
 use crate::window::SlidingWindow;
 
 /// How far a window is from what is normal.
@@ -17,6 +16,17 @@ pub struct Statistics<T> {
     pub rest: Option<T>,
     /// Squared prediction error.
     pub q: T,
+}
+
+/// The largest values of the statistics that are normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Of T².
+    pub t2: f64,
+    /// Of the T² of what is left; none where there is no such statistic.
+    pub rest: Option<f64>,
+    /// Of Q; zero when the scores explain the windows to rounding, so that there is no Q.
+    pub q: f64,
 }
 
 /// One of the statistics.

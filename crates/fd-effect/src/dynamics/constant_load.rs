@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{BETWEEN, each_site};
+use super::sites::{BETWEEN, each_site};
 use crate::{Effect, InAnotherRun, Offers};
 
 /// A constant force, from the start of the log or, `applied-late`, since some time: in the integration step of that time it

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{SiteUnits, each_site};
+use super::sites::{SiteUnits, each_site};
 use crate::{Effect, Offers, Sketch};
 
 /// Dry friction `f s` with the set-valued sign `s ∈ Sgn(v)` of the velocity: `±f` in motion, and at rest
@@ -79,7 +79,7 @@ impl Effect for CoulombFriction {
                 ]),
                 rub(
                     dry("load-dependent")
-                        .require(at.site.has_equation(), super::NO_EQUATION)
+                        .require(at.site.has_equation(), super::sites::NO_EQUATION)
                         .strength("m", "per_load", "1", 1.0, [0.0, 1.0])
                         .with_helpers(&at.site.helpers)
                         .bind("A", at.site.acceleration.clone())
@@ -91,7 +91,7 @@ impl Effect for CoulombFriction {
                 .starts([[0.05, 0.05], [0.02, 0.2], [0.3, 0.1]]),
                 rub(
                     dry("gear")
-                        .require(at.site.has_equation(), super::NO_EQUATION)
+                        .require(at.site.has_equation(), super::sites::NO_EQUATION)
                         .strength("m", "per_transmitted", "1", 1.0, [0.0, 1.0])
                         .with_helpers(&at.site.helpers)
                         .with_helpers(&helpers)

@@ -2,8 +2,7 @@
 
 use fd_sim::{equation::Expr, model::Model, scales::ReplayScales};
 
-use super::per;
-use crate::{Effect, Offers, Reason, SiteRef, Sketch};
+use crate::{Effect, Offers, Reason, SiteRef, Sketch, units::per};
 
 /// A force `c (b - mean)` that comes from a state `b` which is neither velocity nor position of the
 /// site; the mean is that of the nominal model.

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::sites::each_site;
 use crate::{Effect, Offers};
 
 /// Drag `c |v| v`; with a free exponent `c V² |v/V|^p` in the direction of `v`, where `V` is the

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{SiteUnits, each_site};
+use super::sites::{SiteUnits, each_site};
 use crate::{Effect, Offers, Reason, Sketch, units::per};
 
 /// A stop that pushes back with stiffness `k` beyond a distance `1/s` from the middle of the range

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{BETWEEN, parameter::is_used};
+use super::{parameter::is_used, sites::BETWEEN};
 use crate::{Effect, InAnotherRun, Offers, Reason, Sketch};
 
 /// Times of a step from which to start: a fit does not see from one motion that shows it to the next.

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::sites::each_site;
 use crate::{Effect, Offers, Reason};
 
 /// A torque `a sin(x)`, or `a sin(x) + b cos(x)` of an arm at any angle. Only where the position is

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{each_site, moving, unit_of};
+use super::sites::{each_site, moving, unit_of};
 use crate::{Effect, Offers, Reason, units::per};
 
 /// Time constants from which to start, in samples.

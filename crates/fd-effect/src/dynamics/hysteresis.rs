@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::sites::each_site;
 use crate::{Effect, Offers};
 
 /// Rate-independent hysteresis `f z` over a distance `D`, exact for any monotone motion.

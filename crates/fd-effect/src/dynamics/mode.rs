@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::sites::each_site;
 use crate::{Effect, Offers, Reason};
 
 /// Shares of the mass from which to start, each with this many frequencies on a logarithmic grid. A small
@@ -45,7 +45,7 @@ impl Effect for ResonantMode {
             let mode = sketch("appendage")
                 .with_velocity(at)
                 .require(at.has_velocity(), Reason::Missing("velocity"))
-                .require(at.site.has_equation(), super::NO_EQUATION)
+                .require(at.site.has_equation(), super::sites::NO_EQUATION)
                 .with_helpers(&at.site.helpers)
                 .bind("a", at.site.acceleration.clone())
                 .bind("C", at.site.compliance.clone())

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::sites::each_site;
 use crate::{Effect, InAnotherRun, Offers};
 
 /// Frequencies of the coarse grid from which to start.

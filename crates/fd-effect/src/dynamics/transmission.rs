@@ -2,7 +2,10 @@
 
 use fd_sim::{equation::Expr, model::Model, scales::ReplayScales};
 
-use super::{NO_EQUATION, SiteUnits, dependence::variables, each_site};
+use super::{
+    dependence::variables,
+    sites::{NO_EQUATION, SiteUnits, each_site},
+};
 use crate::{Effect, Offers, Reason, SiteRef, Sketch, units::per};
 
 /// Frequencies of the coarse grid from which to start.

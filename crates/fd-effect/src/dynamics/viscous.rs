@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_site;
+use super::sites::each_site;
 use crate::{Effect, Offers};
 
 /// Friction `c v`; negative where the model has too much of it.

@@ -2,7 +2,10 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{LONGEST, each_input, either_way};
+use super::{
+    LONGEST,
+    places::{each_input, either_way},
+};
 use crate::{Effect, Offers};
 
 /// A lag of order 1 with the time constant `T (1 + a)` upwards and `T (1 - a)` downwards: what heats faster than it cools, a

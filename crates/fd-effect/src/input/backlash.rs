@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_input;
+use super::places::each_input;
 use crate::{Effect, Offers};
 
 /// Play of half width `w` between command and plant, at rest in the middle when a run starts. The

@@ -30,7 +30,7 @@ impl Effect for InputCrossCoupling {
                 let unit = per(&input.unit, &other.unit);
                 let scale = input.std / other.std;
                 sketch()
-                    .require(input.moves() && other.moves(), super::STILL)
+                    .require(input.moves() && other.moves(), super::places::STILL)
                     .require(mentions(nominal, &nominal.inputs[i].name), Reason::Idle)
                     .partner(SiteRef::Input(j, other.name.clone()))
                     .bind("w", Expr::name(&other.name))

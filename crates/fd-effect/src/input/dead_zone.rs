@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{each_place, either_way};
+use super::places::{each_place, either_way};
 use crate::{Effect, Offers};
 
 /// Dead zone of half width `w`: what is left is shifted, not scaled. In the asymmetric law it goes

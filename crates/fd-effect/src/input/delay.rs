@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{each_place, may_be_from_rest};
+use super::places::{each_place, may_be_from_rest};
 use crate::{Effect, Offers};
 
 /// Longest delay, in samples: what is slow is often logged fast.

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_place;
+use super::places::each_place;
 use crate::{Effect, Offers};
 
 /// Longest time constant, in samples.

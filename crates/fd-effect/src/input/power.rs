@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_place;
+use super::places::each_place;
 use crate::{Effect, Offers, units::per};
 
 /// A power law, as of the thrust of a propeller or the flow through a throttle, with the sign of the command: the plant sees

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_input;
+use super::places::each_input;
 use crate::{Effect, Offers, Rounding};
 
 /// Fewest and most eighths of a quantum per peak of the input from which to start: some quantum is

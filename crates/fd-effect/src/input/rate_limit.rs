@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{FROM_REST, each_input, either_way, may_be_from_rest};
+use super::places::{FROM_REST, each_input, either_way, may_be_from_rest};
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Rate limit `1/s`: the strength is the inverse of the fastest rate, so that none is exactly none.

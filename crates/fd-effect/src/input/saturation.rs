@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{each_place, either_way};
+use super::places::{each_place, either_way};
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Saturation at `±1/s`: the strength is the inverse of the limit, so that none is exactly none.

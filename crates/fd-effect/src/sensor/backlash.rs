@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_output;
+use super::places::each_output;
 use crate::{Effect, Offers};
 
 /// Play of half width `w` between what moves and what is measured (a cable, a gear, a coupling), in

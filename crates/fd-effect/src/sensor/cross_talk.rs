@@ -34,7 +34,7 @@ impl Effect for SensorCrossTalk {
                 let unit = per(&output.unit, &other.unit);
                 let scale = output.std / other.std;
                 sketch(law)
-                    .require(output.moves() && other.moves(), super::STILL)
+                    .require(output.moves() && other.moves(), super::places::STILL)
                     .partner(SiteRef::Output(j, other.name.clone()))
                     .bind("w", nominal.outputs[j].value.clone())
                     .bind("W", other.mean)

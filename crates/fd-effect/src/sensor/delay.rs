@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_output;
+use super::places::each_output;
 use crate::{Effect, Offers, input::delays};
 
 /// Delay by any fraction of a sample; between integration steps the past is interpolated.

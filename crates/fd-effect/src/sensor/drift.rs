@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_output;
+use super::places::each_output;
 use crate::{Effect, InAnotherRun, Offers, units::per};
 
 /// Drift `y + r t` since the beginning of the log, or one that settles, `y + a (1 - exp(-t/T))`.

@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_output;
+use super::places::each_output;
 use crate::{Effect, Offers};
 
 /// Rate-independent memory between what moves and what is measured (a cable in its sheath, a bellows, a strain gauge): the

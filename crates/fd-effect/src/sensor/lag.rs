@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_output;
+use super::places::each_output;
 use crate::{
     Effect, Offers,
     input::{LONGEST, STARTS},

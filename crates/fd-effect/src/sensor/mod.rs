@@ -8,11 +8,9 @@ mod drift;
 mod hysteresis;
 mod lag;
 mod noise;
+mod places;
 mod saturation;
 mod scale;
-
-use fd_sim::model::Model;
-use fd_sim::scales::{ReplayScales, SignalScale};
 
 pub use self::{
     backlash::SensorBacklash,
@@ -26,7 +24,7 @@ pub use self::{
     saturation::SensorSaturation,
     scale::SensorScale,
 };
-use super::{Effect, Offers, Reason, Sketch};
+use super::Effect;
 
 /// All effects between the plant and the logged measurement.
 ///
@@ -49,22 +47,4 @@ pub fn all() -> Vec<Box<dyn Effect>> {
         Box::new(SensorNoise),
         Box::new(SensorJitter),
     ]
-}
-
-/// What the effects say when an output is constant.
-const STILL: Reason = Reason::Still("the output");
-
-/// The laws of an effect at every output that moves, each as a sketch.
-fn each_output<'a>(
-    effect: &'a dyn Effect,
-    nominal: &'a Model,
-    scales: &'a ReplayScales,
-    laws: impl Fn(&dyn Fn(&'static str) -> Sketch<'a>, &SignalScale) -> Vec<Sketch<'a>>,
-) -> Offers {
-    let offers = scales.outputs.iter().enumerate().flat_map(|(i, output)| {
-        let sketch =
-            |law| Sketch::of_output(effect, law, nominal, scales, i).require(output.moves(), STILL);
-        laws(&sketch, output)
-    });
-    offers.map(Sketch::finish).collect()
 }

@@ -32,7 +32,7 @@ impl Effect for SensorJitter {
     fn candidates(&self, nominal: &Model, scales: &ReplayScales) -> Offers {
         let offers = scales.outputs.iter().enumerate().map(|(i, output)| {
             Sketch::of_output(self, "gaussian", nominal, scales, i)
-                .require(output.moves(), super::STILL)
+                .require(output.moves(), super::places::STILL)
                 .strength("t", "jitter", "s", nominal.sample_time, [0.0, 10.0])
                 .observation(Observation::Jitter)
                 .starts([[0.1]])
@@ -79,7 +79,7 @@ impl Effect for SensorNoise {
             laws.map(|(law, observation)| {
                 let scale = stated.unwrap_or(0.01 * output.std);
                 let sketch = Sketch::of_output(self, law, nominal, scales, i)
-                    .require(stated.is_some() || output.moves(), super::STILL)
+                    .require(stated.is_some() || output.moves(), super::places::STILL)
                     // Beyond what is stated, as the root of the difference of the variances.
                     .strength("s", "extra_noise", &output.unit, scale, [0.0, 1e3])
                     .observation(observation);

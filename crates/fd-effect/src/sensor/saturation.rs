@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::each_output;
+use super::places::each_output;
 use crate::{Effect, Offers, Sketch, units::per};
 
 /// Saturation at a distance of `1/s` from the middle of the range that the nominal model shows: the

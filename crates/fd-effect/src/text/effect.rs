@@ -2,7 +2,7 @@
 
 use fd_sim::{model::Model, scales::ReplayScales};
 
-use super::{On, TextEffect, read::TextParameter};
+use super::{On, TextEffect, parameter::TextParameter};
 use crate::{Effect, Offers, Reason, Sketch};
 
 /// The one law that it has.

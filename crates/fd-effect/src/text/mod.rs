@@ -16,11 +16,13 @@
 mod check;
 mod effect;
 mod error;
+mod parameter;
 mod read;
 
 pub use self::{
     error::TextError,
-    read::{TextEffects, TextParameter, TextState},
+    parameter::{TextParameter, TextState},
+    read::TextEffects,
 };
 use fd_sim::equation::Expr;
 

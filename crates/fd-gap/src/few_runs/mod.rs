@@ -13,6 +13,7 @@
 //! the stand-in predicts little ([`FewRuns::explains`]), its proposals are worth little as well, and the first
 //! diagnosis has to be made on the simulator.
 
+mod effort;
 mod proposals;
 mod refit;
 
@@ -22,6 +23,7 @@ use fd_sim::{
     stand_in::{Driven, Replay, StandIn},
 };
 
+pub use self::effort::Effort;
 use self::{proposals::Proposals, refit::Refit};
 use crate::{
     diagnose::{
@@ -33,24 +35,6 @@ use crate::{
 
 /// Share of a disturbance that a stand-in has to foretell before it may propose.
 const FORETOLD: f64 = 0.5;
-
-/// How much is confirmed on the simulator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
-    /// Most single causes, halves of pairs not counted.
-    pub causes: usize,
-    /// Most pairs of causes.
-    pub pairs: usize,
-    /// Whether limits are tried on the simulator itself where nothing that was proposed is the cause: some
-    /// thousand runs per input and port.
-    pub limits: bool,
-}
-
-impl Default for Effort {
-    fn default() -> Self {
-        Self { causes: 8, pairs: 3, limits: true }
-    }
-}
 
 /// A diagnosis with few runs of the simulator.
 #[derive(Clone, Debug)]

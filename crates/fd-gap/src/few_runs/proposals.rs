@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use fd_effect::{Candidate, EffectParameter, Kind, Offers, Side, SiteRef, Suspects};
 use fd_sim::model::Model;
 
-use super::Effort;
+use super::effort::Effort;
 use crate::{
     diagnose::{Cause, Diagnosis},
     evidence::grades::STRONG,

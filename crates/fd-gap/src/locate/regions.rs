@@ -4,9 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{
-    Motion,
     bench::{Bench, Rows},
     channels::Short,
+    motion::Motion,
     places::{EVIDENT, name},
     result::{Bin, PlaceEvidence, Region, RegionOf, RegionOn},
 };

@@ -2,7 +2,7 @@
 
 use fd_sim::simulate::Simulator;
 
-use super::{finding::Defect, inspect::agreement};
+use super::{agreement::agreement, finding::Defect};
 use crate::fit::Log;
 
 /// Part of the disagreement of the outputs, all together, that a change of inputs may leave.

@@ -1,5 +1,6 @@
 //! Is the log good enough for the question, and how much of it is noise?
 
+mod agreement;
 mod autoregression;
 mod channel;
 mod direct_path;

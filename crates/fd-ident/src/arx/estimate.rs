@@ -5,7 +5,7 @@ use std::borrow::Borrow;
 use fd_model::Record;
 
 use crate::{
-    arx::{ArxModel, fit::check_records},
+    arx::{ArxModel, check::check_records},
     diagnostics::{Independence, Stretch, Whiteness, independence, whiteness},
     error::IdentError,
     least_squares::LinearFit,

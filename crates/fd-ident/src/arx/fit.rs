@@ -5,7 +5,7 @@ use std::borrow::Borrow;
 use fd_model::Record;
 
 use crate::{
-    arx::{ArxEstimate, ArxModel, ArxOrders, regression::Regression},
+    arx::{ArxEstimate, ArxModel, ArxOrders, check::check_records, regression::Regression},
     error::IdentError,
     least_squares::LeastSquares,
     refine::Prefilter,
@@ -92,32 +92,4 @@ impl ArxFit {
         let model = ArxModel::new(self.orders, nu, ny, theta, first.ts())?;
         Ok(ArxEstimate { model, channels })
     }
-}
-
-/// The first record, when all others have the same channels and sample time.
-pub(crate) fn check_records<R: Borrow<Record>>(records: &[R]) -> Result<&Record, IdentError> {
-    let first = records.first().ok_or(IdentError::NoRecords)?.borrow();
-    let facts = |record: &Record| {
-        [
-            ("number of inputs", record.inputs().len() as f64),
-            ("number of residuals", record.outputs().len() as f64),
-            ("sample time in s", record.ts().seconds()),
-        ]
-    };
-    for (index, record) in records.iter().enumerate() {
-        for ((what, expected), (_, found)) in facts(first).into_iter().zip(facts(record.borrow())) {
-            if (expected - found).abs() > 1e-9 * expected {
-                return Err(IdentError::RecordMismatch { record: index, what, expected, found });
-            }
-        }
-    }
-    Ok(first)
-}
-
-/// A record with one of its outputs.
-pub(crate) fn single_output(record: &Record, channel: usize) -> Result<Record, IdentError> {
-    let u = (0..record.len()).flat_map(|k| record.u(k).iter().copied()).collect();
-    let output = vec![record.outputs()[channel].clone()];
-    let y = record.output(channel).collect();
-    Ok(Record::new(record.inputs().to_vec(), output, u, y, record.ts())?)
 }

@@ -18,6 +18,7 @@
 //! poles are slow against the sample time and the residual is noisy: least squares then finds
 //! poles that are too fast (see [`refine`](crate::refine)).
 
+mod check;
 mod estimate;
 mod fit;
 mod history;
@@ -30,6 +31,13 @@ mod response;
 mod simulator;
 mod stability;
 
+pub(crate) use self::{
+    check::{check_records, single_output},
+    history::History,
+    regression::{Regression, regressor},
+    replay::held_inputs,
+    stability::{reflect, roots},
+};
 pub use self::{
     estimate::{ArxDiagnosis, ArxEstimate},
     fit::ArxFit,
@@ -39,11 +47,4 @@ pub use self::{
     replay::Start,
     simulator::ArxSimulator,
     stability::{MovedPole, Projection},
-};
-pub(crate) use self::{
-    fit::{check_records, single_output},
-    history::History,
-    regression::{Regression, regressor},
-    replay::held_inputs,
-    stability::{reflect, roots},
 };

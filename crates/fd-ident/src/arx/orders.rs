@@ -4,8 +4,6 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::IdentError;
-
 /// Orders of the difference equation that each residual channel obeys.
 ///
 /// ```text
@@ -74,14 +72,6 @@ impl ArxOrders {
     pub const fn lag(self) -> usize {
         let inputs = (self.delay + self.nb).saturating_sub(1);
         if self.nb == 0 || inputs < self.na { self.na } else { inputs }
-    }
-
-    /// Number of parameters, or an error when there are none.
-    pub(crate) fn checked_parameters(self, nu: usize) -> Result<usize, IdentError> {
-        match self.parameters(nu) {
-            0 => Err(IdentError::NoParameters { orders: self, nu }),
-            n => Ok(n),
-        }
     }
 }
 

@@ -10,9 +10,10 @@ use rayon::prelude::*;
 use super::{
     design::LaneDesign,
     error::BatchError,
+    layout::{Layout, Regressors},
     samples::SampleBlock,
     scalar::BatchScalar,
-    tile::{Layout, Pass, Regressors, Tally},
+    tile::{Pass, Tally},
 };
 use crate::{arx::ArxOrders, rls::RlsDesign};
 

@@ -144,6 +144,7 @@ mod design;
 mod error;
 mod estimators;
 mod kernel;
+mod layout;
 mod past;
 mod samples;
 mod scalar;

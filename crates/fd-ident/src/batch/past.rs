@@ -6,7 +6,7 @@
 
 use fd_numeric::lanes::Aligned;
 
-use super::tile::{Layout, Regressors};
+use super::layout::{Layout, Regressors};
 
 /// Past inputs and past values of the negated bias, newest first, as in
 /// [`RecursiveArx`](crate::arx::RecursiveArx).

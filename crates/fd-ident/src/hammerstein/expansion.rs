@@ -2,11 +2,9 @@
 
 use std::borrow::Borrow;
 
-use fd_core::Scalar;
 use fd_model::{Channel, Record};
 use serde::{Deserialize, Serialize};
 
-use super::run::Expander;
 use crate::{arx::check_records, error::IdentError};
 
 /// Which functions of an input.
@@ -70,7 +68,7 @@ impl Curve {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
-    curves: Vec<Curve>,
+    pub(super) curves: Vec<Curve>,
 }
 
 impl Expansion {
@@ -133,12 +131,6 @@ impl Expansion {
     #[must_use]
     pub fn expanded_len(&self) -> usize {
         self.curves.iter().map(Curve::len).sum()
-    }
-
-    /// Moves the functions to run time.
-    #[must_use]
-    pub fn freeze<T: Scalar>(&self) -> Expander<T> {
-        Expander::new(&self.curves)
     }
 
     /// The record with the functions in place of the inputs; missing where the input is missing.

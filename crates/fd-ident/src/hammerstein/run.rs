@@ -22,6 +22,14 @@ struct RunningCurve<T> {
     high: T,
 }
 
+impl Expansion {
+    /// Moves the functions to run time.
+    #[must_use]
+    pub fn freeze<T: Scalar>(&self) -> Expander<T> {
+        Expander::new(&self.curves)
+    }
+}
+
 impl<T: Scalar> Expander<T> {
     pub(super) fn new(curves: &[Curve]) -> Self {
         let t = T::from_design;

@@ -1,10 +1,9 @@
 //! Bias models in state-space form at design time.
 
 use faer::Mat;
-use fd_core::{Scalar, Shape, ShapeError, stage::BiasModel};
+use fd_core::{Shape, ShapeError, stage::BiasModel};
 use fd_model::{Discrete, Record, StateSpace, riccati};
 
-use super::StateSpaceSimulator;
 use crate::{arx::held_inputs, error::IdentError};
 
 /// A state-space model of the bias in all residual channels, with a constant in each.
@@ -122,14 +121,5 @@ impl StateSpaceBias {
             simulator.simulate(&inputs[k * nu..(k + 1) * nu], mu);
         }
         Ok(simulated)
-    }
-
-    /// Moves the model to run time.
-    ///
-    /// # Errors
-    ///
-    /// Never fails for a model that was checked by [`StateSpaceBias::new`].
-    pub fn freeze<T: Scalar>(&self) -> Result<StateSpaceSimulator<T>, IdentError> {
-        StateSpaceSimulator::new(self)
     }
 }

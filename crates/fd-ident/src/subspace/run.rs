@@ -26,6 +26,17 @@ pub struct StateSpaceSimulator<T: Scalar = f64> {
     mu_hat: Vec<T>,
 }
 
+impl StateSpaceBias {
+    /// Moves the model to run time.
+    ///
+    /// # Errors
+    ///
+    /// Never fails for a model that was checked by [`StateSpaceBias::new`].
+    pub fn freeze<T: Scalar>(&self) -> Result<StateSpaceSimulator<T>, IdentError> {
+        StateSpaceSimulator::new(self)
+    }
+}
+
 impl<T: Scalar> StateSpaceSimulator<T> {
     pub(super) fn new(model: &StateSpaceBias) -> Result<Self, IdentError> {
         let system: Lti<T, Heap> = model.system().freeze()?;

@@ -5,6 +5,7 @@ use fd_model::{Channel, Continuous, StateSpace};
 
 use super::{
     dynamics::Dynamics,
+    jacobian::relative_jacobian,
     rhs::Engine17,
     state::{NX, NY, input_channels, output_channels, state_channels},
     trim::Trim,
@@ -14,33 +15,8 @@ use crate::{
     model::{EngineModel, OperatingPoint},
 };
 
-/// Relative step of the states. With an error of `step²` from curvature and of `eps / step` from
-/// rounding, derivatives are consistent to about 1e-7 of the largest rate.
-const STATE_STEP: f64 = 2e-6;
-
 /// Relative step of the fuel flow; rates are almost linear in it.
 const FUEL_STEP: f64 = 1e-5;
-
-/// `∂(ẋ_i / x_i) / ∂(x_j / x_j)` without the change of the denominator, which vanishes with
-/// the rates: the state matrix for relative deviations.
-pub(super) fn relative_jacobian<const N: usize>(
-    engine: &impl Dynamics<f64, N>,
-    x: &[f64; N],
-    fuel: f64,
-) -> Mat<f64> {
-    let mut jacobian = Mat::zeros(N, N);
-    for j in 0..N {
-        let step = STATE_STEP * x[j].abs();
-        let (mut up, mut down) = (*x, *x);
-        up[j] += step;
-        down[j] -= step;
-        let (up, down) = (engine.rates(&up, fuel).0, engine.rates(&down, fuel).0);
-        for i in 0..N {
-            jacobian[(i, j)] = (up[i] - down[i]) / (2.0 * step) * x[j] / x[i];
-        }
-    }
-    jacobian
-}
 
 /// Column of the input for relative deviations.
 fn relative_input<const N: usize>(

@@ -30,6 +30,7 @@ mod extended;
 mod gas;
 mod health;
 mod hpc;
+mod jacobian;
 mod linearise;
 mod lpc;
 mod nozzle;

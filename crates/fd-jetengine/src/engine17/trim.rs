@@ -6,7 +6,7 @@ use fd_numeric::dense::Dense;
 use super::{
     auxiliary::Auxiliary,
     dynamics::{Dynamics, check_state},
-    linearise::relative_jacobian,
+    jacobian::relative_jacobian,
     rhs::Engine17,
     state::{MEASURED, NX, NY, State},
 };

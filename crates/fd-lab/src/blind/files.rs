@@ -17,9 +17,11 @@ use super::{
     error::BlindError,
     feature::Feature,
     logs::{LogOfRun, Part},
-    make::COMMITMENT,
     truth::{Scene, Truth},
 };
+
+/// Name of the file with the commitment, in the directory of a case.
+pub(super) const COMMITMENT: &str = "commitment.sha256";
 
 /// In which form a case is diagnosed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{
     draw::draw,
     error::BlindError,
-    files::{write, write_case},
+    files::{COMMITMENT, write, write_case},
     kind::CaseKind,
     oracle::oracle,
     random::Random,
@@ -24,8 +24,6 @@ use fdiag::Watcher;
 pub(super) const KEY: &str = "seal.key";
 /// Name of the directory of cases.
 pub(super) const CASES: &str = "cases";
-/// Name of the file with the commitment, in the directory of a case.
-pub(super) const COMMITMENT: &str = "commitment.sha256";
 
 /// What is to be made.
 #[derive(Clone, Debug, PartialEq, Eq)]

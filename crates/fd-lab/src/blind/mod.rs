@@ -26,7 +26,9 @@ mod misreading;
 mod oracle;
 mod plants;
 mod random;
+mod recorder;
 mod refit;
+mod rival;
 mod run;
 mod scales;
 mod score;
@@ -53,7 +55,7 @@ pub use self::{
     logger::Logger,
     make::{Order, make},
     misreading::Misreading,
-    oracle::{Oracle, Rival},
+    rival::{Oracle, Rival},
     run::{ChooseSettings, Manner, run},
     score::{
         Bin, BySquares, Calibration, ClassScore, ClosedOf, Comparison, OfSeveral, Rate, Score,

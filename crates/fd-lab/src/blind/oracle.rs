@@ -3,12 +3,12 @@
 use fd_effect::{Candidate, Suspects};
 use fd_gap::fit::FitError;
 use fd_sim::model::{Draft, LoadError, Model};
-use serde::{Deserialize, Serialize};
 
 use super::{
     error::BlindError,
     logs::{LogOfRun, Part},
     refit::{Fitted, Sight, simulated},
+    rival::{Oracle, Rival},
     truth::{Scene, Truth},
 };
 
@@ -21,34 +21,6 @@ const FREE: f64 = 10.0;
 const BEYOND: f64 = 1e15;
 /// Laws of one of two effects beside which the other is fitted.
 const FIRSTS: usize = 2;
-/// What refits to the noise-free truth leave, in squares of the noise.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Oracle {
-    /// By the nominal model, with nuisances around the truth or around what the model file says,
-    /// whatever is less: below 9 the case is invisible.
-    pub nothing: f64,
-    /// By single effects of the library that leave less than 9: they cannot be told from the truth.
-    pub ties: Vec<Rival>,
-    /// The least that any single effect of the library leaves.
-    pub best: Option<Rival>,
-}
-
-/// An effect of the library with what it leaves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Rival {
-    /// Label.
-    pub label: String,
-    /// Name of its site.
-    pub site: String,
-    /// The other end of a coupling.
-    pub partner: Option<String>,
-    /// Mechanism.
-    pub family: String,
-    /// Law that leaves the least.
-    pub law: String,
-    /// What it leaves.
-    pub distance: f64,
-}
 
 /// What the nominal model leaves at least of the noise-free truth.
 ///
@@ -217,21 +189,4 @@ fn chain(
         so_far = best;
     }
     Ok(least)
-}
-
-impl Rival {
-    fn of(candidate: &Candidate) -> Self {
-        Self {
-            label: candidate.label.to_owned(),
-            site: candidate.site.name().unwrap_or_default().to_owned(),
-            partner: candidate.partner.as_ref().and_then(|p| p.name()).map(str::to_owned),
-            family: candidate.family.to_owned(),
-            law: candidate.law.to_owned(),
-            distance: f64::INFINITY,
-        }
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.label == other.label && self.site == other.site && self.partner == other.partner
-    }
 }

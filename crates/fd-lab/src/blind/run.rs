@@ -13,8 +13,9 @@ use super::{
     diagnose::{Manner as How, answer, as_black_box},
     error::BlindError,
     feature::{Feature, Method},
+    files::COMMITMENT,
     files::{Case, Variant, answers},
-    make::{CASES, COMMITMENT},
+    make::CASES,
 };
 use crate::{black_box::Sight, journal::Journal};
 use fdiag::Watcher;

@@ -9,10 +9,11 @@ use super::{
     excitation::{Drive, Shape},
     kind::CaseKind,
     laws::{Law, Origin, Place, Setting, catalogue},
-    oracle::Oracle,
     plants::{Plant, plant},
     random::{Random, named_seed},
-    scales::{Recorder, Scales},
+    recorder::Recorder,
+    rival::Oracle,
+    scales::Scales,
     simulate::{Bench, Injected, Trace, Trial},
 };
 

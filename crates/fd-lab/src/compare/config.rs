@@ -4,15 +4,18 @@ use std::{collections::BTreeSet, path::Path, str::FromStr};
 
 use fd_compensate::decide::Debouncing;
 use fd_core::Limits;
-use fd_model::{
-    fault::Site,
-    file::{SettingsError, read_settings, write_settings},
-};
-use fdiag::spec::{ApplySpec, BiasSpec, DetectorSpec, GeneratorSpec, PipelineSpec, check_limits};
+use fd_model::file::{SettingsError, read_settings, write_settings};
+use fdiag::spec::{ApplySpec, BiasSpec, PipelineSpec, check_limits};
 use serde::{Deserialize, Serialize};
 
-use super::{defaults, error::CompareError, fault::FaultGrid, named::is_diagnosed, own::OwnPlant};
-use crate::engine::{EngineConfig, FreshRun, PlantConfig, ReductionConfig, TrainingRun};
+use super::{
+    defaults,
+    error::CompareError,
+    fault::FaultGrid,
+    method::{Bias, Detector, Generator, is_diagnosed},
+    scenario::Scenario,
+};
+use crate::engine::{EngineConfig, FreshRun, ReductionConfig, TrainingRun};
 
 /// The version of the configuration format.
 pub const CONFIG_VERSION: u32 = 1;
@@ -81,79 +84,6 @@ pub struct Engines {
     pub test_runs: u64,
     /// How many of these are also run with every fault in every size.
     pub fault_runs: u64,
-}
-
-/// What the methods are compared on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scenario {
-    /// A short name.
-    pub name: String,
-    /// What it is meant to show, in a sentence.
-    #[serde(default)]
-    pub about: String,
-    /// The plant and what makes it differ from its model.
-    #[serde(default)]
-    pub plant: PlantConfig,
-    /// A plant of one's own instead of the engine.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub own: Option<OwnPlant>,
-    /// A fault that is there already while the bias is learned; the faults to be found are then
-    /// on top of it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub present: Option<Present>,
-}
-
-/// A fault that was there before anybody looked.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Present {
-    /// Where.
-    pub site: Site,
-    /// Its size, a share of the reading or of the component's parameter.
-    pub size: f64,
-    /// Whether it was there while the bias was learned and the detectors were scaled. Without this
-    /// it comes after that, as deterioration does, and is a fault to be found itself.
-    #[serde(default)]
-    pub while_learning: bool,
-}
-
-/// A named residual generator.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Generator {
-    /// A short name.
-    pub name: String,
-    /// The generator.
-    pub spec: GeneratorSpec,
-    /// Rows of the weighting on its residual.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub weighting: Option<Vec<Vec<f64>>>,
-    /// Of a simulation of the engine whose model stands in the configuration: time in s from the beginning of the
-    /// training run that is diagnosed first, on every engine. What runs is the model with the named causes in it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub diagnose_s: Option<f64>,
-}
-
-/// A named bias model, or none.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bias {
-    /// A short name.
-    pub name: String,
-    /// The bias model; without it nothing is subtracted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub spec: Option<BiasSpec>,
-}
-
-/// A named detector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Detector {
-    /// A short name.
-    pub name: String,
-    /// The detector. The rate of false alarms in it plays no part: that of the comparison counts.
-    pub spec: DetectorSpec,
 }
 
 impl Default for Engines {

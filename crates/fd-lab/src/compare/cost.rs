@@ -6,11 +6,7 @@ use fd_core::stage::Stage;
 use fd_model::Record;
 use fdiag::training::{Trained, TrainingError};
 
-use super::{
-    error::CompareError,
-    named::completed,
-    scene::{Ask, Scene},
-};
+use super::{error::CompareError, named::completed, plants::Ask, scene::Scene};
 
 /// The run is timed this many times; the quickest counts, as everything else is something else's
 /// doing.

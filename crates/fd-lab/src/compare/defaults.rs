@@ -15,7 +15,10 @@ use fdiag::spec::{
     LearningSpec, OrderSpec, ParameterSpec, StructureSpec,
 };
 
-use super::config::{Bias, Detector, Generator, Present, Scenario};
+use super::{
+    method::{Bias, Detector, Generator},
+    scenario::{Present, Scenario},
+};
 use crate::engine::{EngineChoice, PlantConfig};
 
 /// The linear engine, the nonlinear one where it is modelled, moved, and with dynamics that no model

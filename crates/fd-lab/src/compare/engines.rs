@@ -9,10 +9,11 @@ use fd_model::{
 };
 
 use super::{
-    config::{CompareConfig, Present, Scenario},
+    config::CompareConfig,
     error::CompareError,
     fault::FaultKind,
-    scene::{Ask, Plants, Runs},
+    plants::{Ask, Plants, Runs},
+    scenario::{Present, Scenario},
 };
 use crate::engine::{Benchmark, Case, Draw, EngineStudyError, Reality};
 

@@ -4,10 +4,11 @@ use fd_model::figure;
 use fd_report::{Table, markdown_text};
 
 use super::{
+    comparison::Comparison,
     config::CompareConfig,
     family::Family,
     report::{SHOWN, percent},
-    result::{Comparison, EntryResult, ScenarioResult},
+    result::{EntryResult, ScenarioResult},
 };
 
 /// Entries shown of each scenario.

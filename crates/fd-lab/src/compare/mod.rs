@@ -7,6 +7,7 @@
 //! that factor on engines that neither saw is the result. For one engine of one type, as in a plant
 //! with no sister, this is not the way to set a threshold: calibrate it on its own data.
 
+mod comparison;
 mod config;
 mod cost;
 mod defaults;
@@ -17,14 +18,17 @@ mod fault;
 mod file_hash;
 mod isolate;
 mod markdown;
+mod method;
 mod named;
 mod overall;
 mod own;
+mod plants;
 mod report;
 mod residuals;
 mod result;
 mod rounded;
 mod run;
+mod scenario;
 mod scene;
 mod share;
 mod tally;
@@ -32,22 +36,20 @@ mod unit;
 mod watch;
 
 pub use self::{
-    config::{
-        Bias, CONFIG_VERSION, CompareConfig, Detector, Engines, Generator, Present, Scenario,
-    },
+    comparison::{Comparison, REPORT_VERSION},
+    config::{CONFIG_VERSION, CompareConfig, Engines},
     error::CompareError,
     family::Family,
     fault::{FaultGrid, FaultKind, ProfileKind, Sizes},
+    method::{Bias, Detector, Generator},
     overall::Overall,
     own::{OwnError, OwnFault, OwnPlant},
-    result::{
-        Comparison, EntryName, EntryResult, FaultResult, IsolationResult, REPORT_VERSION, RocPoint,
-        ScenarioResult,
-    },
+    result::{EntryName, EntryResult, FaultResult, IsolationResult, RocPoint, ScenarioResult},
     run::begin_anew,
+    scenario::{Present, Scenario},
     share::Share,
 };
 pub(crate) use self::{
     own::OwnPlants,
-    scene::{Ask, Plants, Runs},
+    plants::{Ask, Plants, Runs},
 };

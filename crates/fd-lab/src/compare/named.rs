@@ -4,16 +4,8 @@ use std::borrow::Cow;
 
 use fdiag::spec::{GeneratorSpec, ModelSource};
 
-use super::{
-    config::{CompareConfig, Generator},
-    scene::Runs,
-};
+use super::{config::CompareConfig, method::Generator, plants::Runs};
 use crate::engine::joined::name;
-
-/// Whether a diagnosis can complete the model of a generator.
-pub(super) fn is_diagnosed(spec: &GeneratorSpec) -> bool {
-    matches!(spec, GeneratorSpec::Patched { model: ModelSource::Text { .. }, .. })
-}
 
 /// The generator as it watches this engine: with the causes in its model that a diagnosis of the beginning of the
 /// training run names, if that is asked for. The first calibration run judges them.

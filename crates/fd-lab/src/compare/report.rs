@@ -4,9 +4,10 @@ use fd_model::figure;
 use fd_report::{Bar, Bars, Line, Page, Picture, PictureError, Shares, Table};
 
 use super::{
+    comparison::Comparison,
     config::Engines,
     overall::Overall,
-    result::{Comparison, EntryResult, ScenarioResult},
+    result::{EntryResult, ScenarioResult},
 };
 
 /// Entries shown of all; the rest is in the JSON.

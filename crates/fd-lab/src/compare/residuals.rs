@@ -4,7 +4,7 @@ use fd_model::Record;
 use fdiag::training::{Subtracted, Subtraction, Trained, TrainingError};
 use thiserror::Error;
 
-use super::scene::Runs;
+use super::plants::Runs;
 
 /// A generator cannot watch a plant.
 #[derive(Debug, Error)]

@@ -6,33 +6,14 @@ use serde::{Deserialize, Serialize};
 use super::{
     config::CompareConfig,
     fault::FaultKind,
-    overall::Overall,
     rounded::rounded,
     scene::Scene,
     share::Share,
     tally::{Alarms, Outcome, Unit},
 };
 
-/// The version of the JSON report.
-pub const REPORT_VERSION: u32 = 2;
-
 /// A fault that is never found counts as this many times the largest that was tried.
 pub(super) const NEVER: f64 = 2.0;
-
-/// The result of a comparison.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Comparison {
-    /// Version of this schema.
-    pub version: u32,
-    /// What was compared.
-    pub config: CompareConfig,
-    /// Rates of false alarms per run behind the ROC, the wanted one first.
-    pub rates: Vec<f64>,
-    /// All entries over all scenarios, the best first.
-    pub overall: Vec<Overall>,
-    /// Every scenario with its entries, the best first.
-    pub scenarios: Vec<ScenarioResult>,
-}
 
 /// Names of what an entry is made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
+    comparison::{Comparison, REPORT_VERSION},
     config::CompareConfig,
     error::CompareError,
     file_hash::{FileHash, file_hashes, first_changed},
     overall::overall,
-    result::{Comparison, REPORT_VERSION, ScenarioResult, factors},
+    result::{ScenarioResult, factors},
     scene::Scene,
     tally::{Outcome, Role, Unit},
 };

@@ -10,12 +10,14 @@ use fdiag::{
 };
 
 use super::{
-    config::{CompareConfig, Detector},
+    config::CompareConfig,
     error::CompareError,
     isolate::Isolation,
+    method::Detector,
     named::completed,
+    plants::{Ask, Runs},
     residuals::Residuals,
-    scene::{Ask, Runs, Scene},
+    scene::Scene,
     tally::{Alarms, Outcome, Role, Unit},
     watch::{Fork, Levels, Watch},
 };

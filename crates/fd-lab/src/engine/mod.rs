@@ -7,7 +7,10 @@ mod example;
 mod excitation;
 mod files;
 pub mod joined;
+mod logs;
 mod on_line;
+mod pair;
+mod range;
 mod reality;
 mod report;
 mod study;
@@ -28,9 +31,11 @@ pub use self::{
         Afterwards, Drift, InTraining, OnLine, OnLineConfig, OnLineSummary, Opened, TrainingFault,
         TrainingFaultSummary,
     },
+    pair::Pair,
+    range::Range,
     report::NamedPicture,
-    study::{FaultSummary, REPORT_VERSION, Range, Study, Summary},
-    trial::{FaultOutcome, Pair, Trial},
+    study::{FaultSummary, REPORT_VERSION, Study, Summary},
+    trial::{FaultOutcome, Trial},
 };
 pub(crate) use self::{
     benchmark::{Case, Draw},

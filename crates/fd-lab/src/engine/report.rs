@@ -6,7 +6,8 @@ use fd_report::{Line, Page, Picture, PictureError, Table};
 
 use super::{
     example::{Example, FaultyRun, Residuals},
-    study::{Range, Study},
+    range::Range,
+    study::Study,
 };
 
 /// A picture with the name of its file.

@@ -1,12 +1,11 @@
 //! Many seeds in parallel, and what they say together.
 
-use fd_numeric::quantile;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
     benchmark::Benchmark, config::EngineConfig, error::EngineStudyError, on_line::OnLineSummary,
-    trial::Trial,
+    range::Range, trial::Trial,
 };
 use fdiag::Watcher;
 
@@ -81,26 +80,6 @@ pub struct FaultSummary {
     pub estimated: Range,
     /// Delay in s with compensation.
     pub delay_compensated_s: Range,
-}
-
-/// Median with the 5 % and 95 % quantiles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Range {
-    /// 5 % quantile.
-    pub low: f64,
-    /// Median.
-    pub median: f64,
-    /// 95 % quantile.
-    pub high: f64,
-}
-
-impl Range {
-    pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.collect();
-        let low = quantile(&mut values, 0.05);
-        let median = quantile(&mut values, 0.5);
-        Self { low, median, high: quantile(&mut values, 0.95) }
-    }
 }
 
 impl Benchmark {

@@ -13,10 +13,10 @@ use fdiag::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    benchmark::{Benchmark, Case, Draw},
+    benchmark::{Benchmark, Case},
     error::EngineStudyError,
     on_line::OnLine,
-    reality::Reality,
+    pair::Pair,
     watch::{Run, Watch},
 };
 
@@ -46,23 +46,6 @@ pub struct Trial {
     pub on_line: Option<OnLine>,
 }
 
-/// A figure without and with compensation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Pair {
-    /// Of the primary residual.
-    pub primary: f64,
-    /// Of the compensated residual.
-    pub compensated: f64,
-}
-
-impl Pair {
-    /// How many times smaller it is with compensation.
-    #[must_use]
-    pub fn ratio(&self) -> f64 {
-        self.primary / self.compensated
-    }
-}
-
 /// What came out for one faulty sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FaultOutcome {
@@ -87,20 +70,6 @@ pub struct FaultOutcome {
     /// Median delay from the start of the fault to the alarm in s, over the runs in which it is
     /// found; NaN when it never is.
     pub delay_s: Pair,
-}
-
-/// Everything that is simulated for one seed before a diagnosis is made.
-pub(super) struct Logs {
-    pub training: Record,
-    pub calibration: Vec<Record>,
-    pub tests: Vec<Record>,
-}
-
-/// What is random in these runs.
-pub(super) struct Draws {
-    pub training: Draw,
-    pub calibration: Vec<Draw>,
-    pub tests: Vec<Draw>,
 }
 
 /// Residuals of the test runs and what is needed to judge them.
@@ -163,34 +132,6 @@ impl Benchmark {
             false_alarms,
             faults,
             on_line: self.on_line(&mut case, &logs)?,
-        })
-    }
-
-    /// The runs of a seed.
-    pub(super) fn logs(&self, case: &mut Case) -> Result<Logs, EngineStudyError> {
-        let draws = self.draws(case)?;
-        self.logs_of(case, &draws)
-    }
-
-    /// What is random in the runs of a seed.
-    pub(super) fn draws(&self, case: &mut Case) -> Result<Draws, EngineStudyError> {
-        let training = self.draw_training(case)?;
-        let mut fresh = |count: usize| -> Result<Vec<Draw>, EngineStudyError> {
-            (0..count).map(|_| self.draw_fresh(case)).collect()
-        };
-        let calibration = fresh(self.config().calibration_runs)?;
-        Ok(Draws { training, calibration, tests: fresh(self.config().test_runs)? })
-    }
-
-    /// The runs that were drawn.
-    pub(super) fn logs_of(&self, case: &Case, draws: &Draws) -> Result<Logs, EngineStudyError> {
-        let all = |plant: &Reality, draws: &[Draw]| -> Result<Vec<Record>, EngineStudyError> {
-            draws.iter().map(|draw| self.run(plant, draw, &[])).collect()
-        };
-        Ok(Logs {
-            training: self.run(&case.training, &draws.training, &[])?,
-            calibration: all(&case.training, &draws.calibration)?,
-            tests: all(&case.moved, &draws.tests)?,
         })
     }
 

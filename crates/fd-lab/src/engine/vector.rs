@@ -15,7 +15,8 @@ use fdiag::{
 use super::{
     benchmark::{Benchmark, Case},
     error::EngineStudyError,
-    trial::{Logs, Pair},
+    logs::Logs,
+    pair::Pair,
     watch::{Run, Watch},
 };
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use crate::source::Unsound;
+use crate::{error::LogError, source::Unsound};
 
 /// Most bytes of a line.
 const MOST_LINE: u64 = 16 << 20;
@@ -67,6 +67,18 @@ impl<R: Read> Read for Bounded<R> {
         }
         Ok(read)
     }
+}
+
+/// Most columns of a text.
+const MOST_COLUMNS: usize = 10_000;
+
+/// Refuses a header whose columns would be a memory of their own.
+pub(super) fn check_columns(file: &str, found: usize) -> Result<(), LogError> {
+    if found <= MOST_COLUMNS {
+        return Ok(());
+    }
+    let (file, found) = (file.to_owned(), format!("found {found}"));
+    Err(LogError::NoLog { file, expected: "at most 10000 columns", found })
 }
 
 #[cfg(test)]

@@ -318,18 +318,6 @@ pub(crate) fn read(path: &Path, map: &LogMap) -> Result<(String, Opened), LogErr
     }
 }
 
-/// Most columns of a text.
-const MOST_COLUMNS: usize = 10_000;
-
-/// Refuses a header whose columns would be a memory of their own.
-fn check_columns(file: &str, found: usize) -> Result<(), LogError> {
-    if found <= MOST_COLUMNS {
-        return Ok(());
-    }
-    let (file, found) = (file.to_owned(), format!("found {found}"));
-    Err(LogError::NoLog { file, expected: "at most 10000 columns", found })
-}
-
 /// First bytes that are looked at.
 const MAGIC: u64 = 20;
 

@@ -9,6 +9,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use serde_json::{Map, Value};
 
+use super::bounded::check_columns;
 use crate::{
     date::{self, Dates, When},
     error::LogError,
@@ -63,7 +64,7 @@ impl<R: Read> NdjsonSource<R> {
         };
         let first = source.object()?.filter(|object| !object.is_empty());
         let first = first.ok_or_else(|| LogError::Empty { file: file.to_owned() })?;
-        super::check_columns(file, first.len())?;
+        check_columns(file, first.len())?;
         source.columns = first.keys().map(|key| HeaderColumn::parse(key)).collect();
         let is_date = |cell: &Value| cell.as_str().is_some_and(|text| date::kind(text).is_some());
         let dates: Vec<usize> =

@@ -281,7 +281,7 @@ fn files_are_written_whole_and_huge_logs_are_streamed() {
         "{error}"
     );
     let error = read_log(&nowhere, &map).unwrap_err().to_string();
-    assert!(error.ends_with("run.csv: cannot read: entity not found"), "{error}");
+    assert!(error.ends_with("run.csv: cannot read: there is no such file or folder"), "{error}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod atomic;
 mod model;
 mod model_error;
+mod model_file;
 mod model_parse;
 mod model_write;
 mod settings;

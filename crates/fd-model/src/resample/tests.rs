@@ -4,6 +4,7 @@ use fd_core::Limits;
 use proptest::prelude::*;
 
 use super::*;
+use crate::channel::Channel;
 
 fn series(t: &[f64], u: &[f64], y: &[f64]) -> TimeSeries {
     TimeSeries {

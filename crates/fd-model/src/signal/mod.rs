@@ -36,6 +36,7 @@ mod sine;
 mod staircase;
 mod steps;
 
+use self::sum::add;
 pub use self::{
     chirp::{Chirp, Sweep},
     error::SignalError,
@@ -133,12 +134,6 @@ from_signal!(
     Constant, Step, Ramp, MultiSine, StepSines, Prbs, Chirp, Staircase, WhiteNoise, ArNoise
 );
 
-fn add(mut sum: Vec<f64>, term: &[f64]) -> Vec<f64> {
-    for (sum, term) in sum.iter_mut().zip(term) {
-        *sum += term;
-    }
-    sum
-}
-
+mod sum;
 #[cfg(test)]
 mod tests;

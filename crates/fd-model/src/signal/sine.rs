@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::{
     domain::SampleTime,
     signal::{
-        add,
         check::{below_nyquist, finite, in_range, times},
         error::SignalError,
+        sum::add,
     },
 };
 

@@ -6,9 +6,10 @@ use crate::{
     clock::reached,
     domain::SampleTime,
     signal::{
-        MultiSine, add,
         check::{finite, in_range, times},
         error::SignalError,
+        sine::MultiSine,
+        sum::add,
     },
 };
 

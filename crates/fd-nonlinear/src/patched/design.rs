@@ -1,38 +1,11 @@
 //! What a tracked simulation is made from.
 
 use fd_core::{IoDims, StateVisitor};
-use fd_model::{Record, Scaling};
+use fd_model::Scaling;
 use fd_sim::simulate::Simulator;
 
-use super::{
-    learn::{Learned, learn},
-    run::Patched,
-};
+use super::{learn::Learned, track::Axis};
 use crate::{error::NonlinearError, scaled::check_scaling};
-
-/// Shift of a parameter for its slope, relative to its value.
-const SHIFT: f64 = 1e-3;
-
-/// A parameter that is tracked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tracked {
-    /// Its place among the parameters of the simulator.
-    pub parameter: usize,
-    /// Standard deviation of the step that it takes per sample, in its unit.
-    pub drift: f64,
-}
-
-/// How parameters are tracked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tracking {
-    /// Which.
-    pub parameters: Vec<Tracked>,
-    /// How far outside of what healthy logs showed the smoothed residual is before a fault is suspected:
-    /// 1.5 is half as much again.
-    pub suspicion: f64,
-    /// Samples over which the residual is smoothed for that.
-    pub memory: f64,
-}
 
 /// A simulation with tracked parameters.
 #[derive(Clone, Debug)]
@@ -47,15 +20,6 @@ pub struct PatchedDesign {
     pub(super) smoothing: f64,
     pub(super) suspicion: f64,
     pub(super) learned: Option<Learned>,
-}
-
-/// A tracked parameter at run time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
-    pub parameter: usize,
-    pub variance: f64,
-    pub shift: f64,
-    pub bounds: [f64; 2],
 }
 
 impl PatchedDesign {
@@ -116,66 +80,10 @@ impl PatchedDesign {
         })
     }
 
-    /// Lets parameters be tracked. How large the residual of a healthy plant is, how long it keeps its sign, and
-    /// how far it goes when it is smoothed are learned from healthy logs in the signals of the pipeline; their
-    /// first `settle` samples are left out.
-    ///
-    /// # Errors
-    ///
-    /// Returns an error when a setting is out of range, a parameter does not exist, a log has other channels, or
-    /// there are too few complete samples to learn from.
-    pub fn tracking(
-        mut self,
-        tracking: &Tracking,
-        healthy: &[Record],
-        settle: usize,
-    ) -> Result<Self, NonlinearError> {
-        let settings = [
-            ("suspicion", tracking.suspicion, "a number of at least 1", 1.0),
-            ("memory in samples", tracking.memory, "a number of at least 1", 1.0),
-        ];
-        for (setting, found, expected, least) in settings {
-            if !(found.is_finite() && least <= found) {
-                return Err(NonlinearError::Setting { setting, expected, found });
-            }
-        }
-        let known = self.simulator.parameters();
-        let axis = |tracked: &Tracked| {
-            let Some(parameter) = known.get(tracked.parameter) else {
-                let (setting, expected) = ("tracked parameter", "a place among the parameters");
-                let found = tracked.parameter as f64;
-                return Err(NonlinearError::Setting { setting, expected, found });
-            };
-            if !(tracked.drift.is_finite() && 0.0 < tracked.drift) {
-                let (setting, expected) = ("drift of a tracked parameter", "finite and above 0");
-                return Err(NonlinearError::Setting { setting, expected, found: tracked.drift });
-            }
-            let value = parameter.value;
-            let size = if value.abs() > 0.0 { value.abs() } else { 1.0 };
-            let [low, high] = parameter.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-            Ok(Axis {
-                parameter: tracked.parameter,
-                variance: tracked.drift.powi(2),
-                shift: SHIFT * size,
-                bounds: [(low - value).min(0.0), (high - value).max(0.0)],
-            })
-        };
-        let tracked = tracking.parameters.iter().map(axis).collect::<Result<_, _>>()?;
-        self.smoothing = tracking.memory.recip();
-        let learned = learn(&mut self.freeze(), healthy, settle, self.smoothing)?;
-        Ok(Self { tracked, suspicion: tracking.suspicion, learned: Some(learned), ..self })
-    }
-
     /// Channels of the plant.
     #[must_use]
     pub fn io(&self) -> IoDims {
         io(&*self.simulator)
-    }
-
-    /// Moves the residual to run time, at its start.
-    #[must_use]
-    pub fn freeze(&self) -> Patched {
-        Patched::new(self)
     }
 }
 

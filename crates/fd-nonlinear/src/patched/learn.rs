@@ -1,12 +1,8 @@
 //! What the residual of a healthy plant is like.
 
-use fd_core::{
-    Frame,
-    stage::{ResidualGenerator, Stage},
-};
+use fd_core::{Frame, stage::ResidualGenerator};
 use fd_model::Record;
 
-use super::run::Patched;
 use crate::error::NonlinearError;
 
 /// Fewest samples to learn from.
@@ -28,7 +24,7 @@ pub(super) struct Learned {
 
 /// Runs the untracked residual over healthy logs.
 pub(super) fn learn(
-    generator: &mut Patched,
+    generator: &mut impl ResidualGenerator,
     healthy: &[Record],
     settle: usize,
     smoothing: f64,

@@ -19,8 +19,10 @@ mod design;
 mod learn;
 mod run;
 mod track;
+mod tracking;
 
 pub use self::{
-    design::{PatchedDesign, Tracked, Tracking},
+    design::PatchedDesign,
     run::Patched,
+    tracking::{Tracked, Tracking},
 };

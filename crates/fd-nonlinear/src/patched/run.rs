@@ -8,9 +8,9 @@ use fd_model::Scaling;
 use fd_sim::simulate::Simulator;
 
 use super::{
-    design::{Axis, PatchedDesign},
+    design::PatchedDesign,
     learn::Learned,
-    track::Track,
+    track::{Axis, Track},
 };
 use crate::{gaussian::MOST_SAMPLES, scaled::to_units};
 
@@ -36,6 +36,14 @@ pub struct Patched {
     slopes: Vec<f64>,
     /// Distances before this sample.
     before: Vec<f64>,
+}
+
+impl PatchedDesign {
+    /// Moves the residual to run time, at its start.
+    #[must_use]
+    pub fn freeze(&self) -> Patched {
+        Patched::new(self)
+    }
 }
 
 impl Patched {

@@ -2,7 +2,14 @@
 
 use fd_core::StateVisitor;
 
-use super::design::Axis;
+/// A tracked parameter at run time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    pub parameter: usize,
+    pub variance: f64,
+    pub shift: f64,
+    pub bounds: [f64; 2],
+}
 
 /// Distances of the parameters from their values, with their covariance.
 #[derive(Clone, Debug)]

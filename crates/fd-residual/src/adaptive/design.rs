@@ -4,7 +4,7 @@ use faer::{Mat, MatRef};
 use fd_core::{IoDims, Scalar, Shape, stage::ResidualGenerator};
 use fd_model::{Discrete, ModelError, StateSpace, TimeDomain, freeze};
 
-use super::run::{AdaptiveObserver, Direction};
+use super::run::{AdaptiveObserver, Direction, ParameterNoise};
 use crate::{
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
@@ -99,19 +99,6 @@ impl ParameterShift {
     pub fn b(&self) -> MatRef<'_, f64> {
         self.b.as_ref()
     }
-}
-
-/// How fast parameters are learned, and how far they may go.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParameterNoise {
-    /// Standard deviation of each parameter before the first sample.
-    pub prior: f64,
-    /// Variance of the step that each parameter takes per sample.
-    pub drift: f64,
-    /// Variance of the noise on each output, in the squared (scaled) unit of the output.
-    pub output: f64,
-    /// Largest magnitude of a parameter.
-    pub bound: f64,
 }
 
 /// An observer that learns parameters of the plant.

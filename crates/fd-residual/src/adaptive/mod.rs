@@ -19,6 +19,6 @@ mod design;
 mod run;
 
 pub use self::{
-    design::{AdaptiveDesign, ParameterNoise, ParameterShift},
-    run::AdaptiveObserver,
+    design::{AdaptiveDesign, ParameterShift},
+    run::{AdaptiveObserver, ParameterNoise},
 };

@@ -5,7 +5,18 @@ use fd_core::{
     stage::{ResidualGenerator, Stage},
 };
 
-use super::design::ParameterNoise;
+/// How fast parameters are learned, and how far they may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterNoise {
+    /// Standard deviation of each parameter before the first sample.
+    pub prior: f64,
+    /// Variance of the step that each parameter takes per sample.
+    pub drift: f64,
+    /// Variance of the noise on each output, in the squared (scaled) unit of the output.
+    pub output: f64,
+    /// Largest magnitude of a parameter.
+    pub bound: f64,
+}
 
 /// What one parameter does to the model.
 #[derive(Clone, Debug)]

@@ -19,13 +19,15 @@
 //! digits that the model has, and look at the margin of the nearest decision.
 
 mod effects;
+mod signature;
 mod signatures;
 mod structure;
 mod unknown;
 
 pub use self::{
     effects::{FaultEffect, Gap, fault_effects, fault_to_noise_gap},
+    signature::Signature,
     signatures::{Achievable, SignatureSearch, Signatures, achievable_signatures},
-    structure::{Signature, strong_structure, weak_structure},
+    structure::{strong_structure, weak_structure},
     unknown::UnknownInputs,
 };

@@ -3,7 +3,7 @@
 use faer::{Mat, Scale, c64};
 use fd_model::{StateSpace, TimeDomain};
 
-use super::{structure::Signature, unknown::UnknownInputs};
+use super::{signature::Signature, unknown::UnknownInputs};
 use crate::{
     error::DesignError,
     parity::{NaturalPlant, NaturalWindow},

@@ -1,11 +1,10 @@
 //! Which residual reacts to which fault.
 
-use std::fmt;
-
 use faer::{Mat, MatRef, c64, prelude::Solve};
 use fd_model::{StateSpace, TimeDomain};
 use fd_numeric::dense::Dense;
 
+use super::signature::Signature;
 use crate::{
     error::DesignError,
     form::{ResidualForm, frequency_grid, is_clear},
@@ -15,16 +14,6 @@ use crate::{
 /// Gains below this fraction of what the terms they are summed from would give without cancellation
 /// count as zero.
 const ZERO: f64 = 1e-9;
-
-/// The faults that a residual reacts to, printed as `1101`.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Signature(pub Vec<bool>);
-
-impl fmt::Display for Signature {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|&bit| write!(f, "{}", u8::from(bit)))
-    }
-}
 
 /// One signature per residual channel: a bit is set when the fault reaches the channel at any
 /// frequency.

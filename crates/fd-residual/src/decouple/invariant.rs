@@ -6,7 +6,8 @@ use fd_model::{NaturalUnits, StateSpace, TimeDomain};
 use crate::{
     analysis::UnknownInputs,
     error::DesignError,
-    matrix::{Natural, blocks},
+    matrix::blocks,
+    natural::Natural,
     rank::{RankDecision, RankTolerance, decide},
 };
 

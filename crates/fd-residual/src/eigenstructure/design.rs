@@ -8,7 +8,8 @@ use crate::{
     decouple::refuse_what_enters,
     error::DesignError,
     form::{GeneratorDesign, ResidualForm},
-    matrix::{Natural, blocks, check_shape, orthonormal_rows, spectral_norm},
+    matrix::{blocks, check_shape, orthonormal_rows, spectral_norm},
+    natural::Natural,
     observer::{ErrorPoles, ObserverDesign, natural, place_visible, pole_of_rate},
     rank::{RankTolerance, decide},
 };

@@ -3,8 +3,7 @@
 use faer::{Mat, MatRef, c64};
 use fd_numeric::dense::{Dense, DenseReal};
 
-use super::place::no_convergence;
-use crate::error::DesignError;
+use crate::error::{DesignError, no_convergence};
 
 /// A mode is unobservable when `[A − p I; C]` is closer than this to losing rank.
 const UNOBSERVABLE: f64 = 1e-10;

@@ -4,12 +4,11 @@ use std::f64::consts::SQRT_2;
 
 use faer::{Mat, MatRef, Scale, c64};
 use fd_core::Shape;
-use fd_model::ModelError;
 use fd_numeric::dense::Dense;
 
 use super::observable::check_observable;
 use crate::{
-    error::DesignError,
+    error::{DesignError, no_convergence},
     matrix::{check_shape, complex},
 };
 
@@ -94,10 +93,6 @@ pub fn place_poles(
     let m = &x * lambda * svd.pseudoinverse();
     let gain = (&range.pseudoinverse * (a.transpose() - m)).transpose().to_owned();
     Ok(Placement { gain, condition, sweeps })
-}
-
-pub(super) fn no_convergence(what: &'static str, order: usize) -> DesignError {
-    ModelError::NoConvergence { what, order }.into()
 }
 
 /// What of the state space `Cᵀ` reaches.

@@ -4,12 +4,13 @@ use faer::{Mat, MatRef, c64};
 use fd_model::{StateSpace, TimeDomain};
 use fd_numeric::dense::{Dense, DenseReal};
 
-use super::place::{no_convergence, place_poles};
+use super::place::place_poles;
 use crate::{
     analysis::UnknownInputs,
-    error::DesignError,
+    error::{DesignError, no_convergence},
     kalman::at_least_as_fast,
-    matrix::{Natural, blocks, spectral_norm},
+    matrix::{blocks, spectral_norm},
+    natural::Natural,
     rank::{RankTolerance, decide},
 };
 

@@ -7,7 +7,8 @@ use super::window::{input_map, observability};
 use crate::{
     analysis::UnknownInputs,
     error::DesignError,
-    matrix::{Natural, blocks, complex, orthonormal_rows},
+    matrix::{blocks, complex, orthonormal_rows},
+    natural::Natural,
     rank::{Decided, RankDecision, RankTolerance, decide},
 };
 

@@ -5,22 +5,13 @@ use fd_core::{IoDims, Shape, ShapeError};
 use fd_model::{Discrete, TimeDomain};
 
 use super::{
-    moments::Moments,
+    moments::{FaultShape, Moments},
     search::{best_rows, energy, worst_case},
 };
 use crate::{
     analysis::UnknownInputs, error::DesignError, form::design_by_part, model_detection::PlantModel,
     parity::ParityDesign, simulation::check_stable,
 };
-
-/// What faults look like within a window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaultShape {
-    /// Anything, as white as noise.
-    White,
-    /// Constant, and for so long that the plant has settled: incipient faults. Not for plants that integrate.
-    Lasting,
-}
 
 /// The window that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -24,4 +24,7 @@ mod design;
 mod moments;
 mod search;
 
-pub use self::design::{FaultShape, RobustDesign, RobustWindow, WorstCase};
+pub use self::{
+    design::{RobustDesign, RobustWindow, WorstCase},
+    moments::FaultShape,
+};

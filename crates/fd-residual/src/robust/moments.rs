@@ -3,7 +3,6 @@
 use faer::{Mat, MatRef, Scale};
 use fd_model::{Discrete, StateSpace, lyapunov};
 
-use super::design::FaultShape;
 use crate::{
     analysis::UnknownInputs,
     error::DesignError,
@@ -11,6 +10,15 @@ use crate::{
     model_detection::PlantModel,
     parity::{input_map, observability},
 };
+
+/// What faults look like within a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultShape {
+    /// Anything, as white as noise.
+    White,
+    /// Constant, and for so long that the plant has settled: incipient faults. Not for plants that integrate.
+    Lasting,
+}
 
 /// Of one model.
 pub(super) struct Moments {

@@ -17,10 +17,12 @@
 //!   the fault moves the model. For models from which no variable tells, take [`model_detection`](crate::model_detection).
 
 mod design;
+mod grid;
 mod run;
 mod stability;
 
 pub use self::{
-    design::{ScheduledDesign, ScheduledPoint, SchedulingVariable},
+    design::ScheduledDesign,
+    grid::{ScheduledPoint, SchedulingVariable},
     run::ScheduledObserver,
 };

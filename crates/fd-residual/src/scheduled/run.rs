@@ -6,7 +6,7 @@ use fd_core::{
     stage::{ResidualGenerator, Stage},
 };
 
-use super::design::{ScheduledPoint, SchedulingVariable, position};
+use super::grid::{ScheduledPoint, SchedulingVariable, position};
 
 /// A point of the grid at run time.
 #[derive(Clone, Debug)]

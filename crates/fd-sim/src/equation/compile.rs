@@ -8,8 +8,10 @@ use super::{
     evaluate::whole_exponent,
     expr::{Binary, Cond, Expr},
     fuse::fuse,
+    instruction::{Instruction, Operation},
     order::{Cycle, in_order_of_use},
-    program::{Instruction, Operation, Program},
+    place::{Key, Place},
+    program::Program,
     table::Table,
 };
 
@@ -78,26 +80,6 @@ impl Program {
         compiler.finish(&results)
     }
 }
-
-/// Where a value will be, before the number of constants is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum Place {
-    Slow(usize),
-    Fast(usize),
-    Constant(usize),
-    /// Result of an instruction, and whether it depends on slow inputs alone.
-    Result(usize, bool),
-    /// No operand; or the number of a table.
-    Other(usize),
-}
-
-impl Place {
-    pub(super) fn is_slow(self) -> bool {
-        !matches!(self, Self::Fast(_) | Self::Result(_, false))
-    }
-}
-
-pub(super) type Key = (Operation, [Place; 3]);
 
 struct Compiler<'a> {
     scope: &'a Scope,

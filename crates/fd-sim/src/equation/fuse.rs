@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{
-    compile::{Key, Place},
-    program::Operation,
+    instruction::Operation,
+    place::{Key, Place},
 };
 
 /// Puts products that are used once, by a sum or difference, into that instruction. The product is

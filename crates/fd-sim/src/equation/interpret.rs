@@ -7,10 +7,9 @@
 use super::{
     evaluate,
     expr::{Binary, Unary},
-    kernel::Kernel,
-    program::{Instruction, Operation},
+    instruction::{Instruction, Operation},
     table::Table,
-    value::Value,
+    value::{Kernel, Value},
 };
 
 /// Runs instructions one after the other.

@@ -1,4 +1,4 @@
-//! Arithmetic on values: what a program needs of a machine, and that of one number.
+//! Arithmetic of one number.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
@@ -9,54 +9,8 @@ use fd_core::Scalar;
 use super::{
     evaluate,
     expr::{Binary, Comparison, Unary},
-    value::Value,
+    value::{Kernel, Value, Work},
 };
-
-/// The cheap operations on values, written to `to`. Each lane gets to the bit what `evaluate` says.
-pub trait Kernel<V: Value>: Copy {
-    /// `a + b`.
-    fn add(self, to: &mut V, a: &V, b: &V);
-    /// `a - b`.
-    fn sub(self, to: &mut V, a: &V, b: &V);
-    /// `a*b`.
-    fn mul(self, to: &mut V, a: &V, b: &V);
-    /// `a/b`.
-    fn div(self, to: &mut V, a: &V, b: &V);
-    /// `a*b + c`, with the product rounded.
-    fn mul_add(self, to: &mut V, a: &V, b: &V, c: &V);
-    /// `a*b - c`, with the product rounded.
-    fn mul_sub(self, to: &mut V, a: &V, b: &V, c: &V);
-    /// `c - a*b`, with the product rounded.
-    fn sub_mul(self, to: &mut V, a: &V, b: &V, c: &V);
-    /// `-a`.
-    fn neg(self, to: &mut V, a: &V);
-    /// `sqrt(a)`.
-    fn sqrt(self, to: &mut V, a: &V);
-    /// `sin(a)`.
-    fn sin(self, to: &mut V, a: &V);
-    /// `cos(a)`.
-    fn cos(self, to: &mut V, a: &V);
-    /// `exp(a)`.
-    fn exp(self, to: &mut V, a: &V);
-    /// `tanh(a)`.
-    fn tanh(self, to: &mut V, a: &V);
-    /// `b` where `b < a`, else `a`.
-    fn smaller(self, to: &mut V, a: &V, b: &V);
-    /// `b` where `a < b`, else `a`.
-    fn larger(self, to: &mut V, a: &V, b: &V);
-    /// `a` within `b` and `c`.
-    fn clamp(self, to: &mut V, a: &V, b: &V, c: &V);
-    /// 1 where the comparison holds, else 0.
-    fn compare(self, comparison: Comparison, to: &mut V, a: &V, b: &V);
-    /// `b` where `0 < a`, else `c`.
-    fn select(self, to: &mut V, a: &V, b: &V, c: &V);
-}
-
-/// Something to be computed with a kernel.
-pub trait Work<V: Value> {
-    /// Computes it.
-    fn run(self, kernel: impl Kernel<V>);
-}
 
 /// Arithmetic of a scalar.
 #[derive(Clone, Copy)]
@@ -151,5 +105,51 @@ impl<T: Scalar> Kernel<T> for OneLane {
     #[inline(always)]
     fn select(self, to: &mut T, a: &T, b: &T, c: &T) {
         *to = if T::zero() < *a { *b } else { *c };
+    }
+}
+
+impl<T: Scalar> Value for T {
+    type Lane = T;
+
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn splat(lane: T) -> Self {
+        lane
+    }
+
+    #[inline(always)]
+    fn lane(&self, _lane: usize) -> T {
+        *self
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, _lane: usize, value: T) {
+        *self = value;
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(T) -> T) -> Self {
+        f(self)
+    }
+
+    #[inline(always)]
+    fn zip(self, b: Self, f: impl Fn(T, T) -> T) -> Self {
+        f(self, b)
+    }
+
+    #[inline(always)]
+    fn zip3(self, b: Self, c: Self, f: impl Fn(T, T, T) -> T) -> Self {
+        f(self, b, c)
+    }
+
+    #[inline(always)]
+    fn all_finite(&self) -> bool {
+        self.is_finite()
+    }
+
+    #[inline(always)]
+    fn vectorized<W: Work<Self>>(work: W) {
+        work.run(OneLane);
     }
 }

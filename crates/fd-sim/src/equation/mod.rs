@@ -119,10 +119,13 @@ mod error;
 mod evaluate;
 mod expr;
 mod fuse;
+mod instruction;
 mod interpret;
 mod kernel;
+mod lanes;
 mod order;
 mod parse;
+mod place;
 mod print;
 mod program;
 mod registers;
@@ -145,7 +148,7 @@ pub use self::{
 };
 pub(crate) use self::{
     definitions::Slopes,
-    kernel::{Kernel, Work},
     order::in_order_of_use,
     parse::MAX_DEPTH,
+    value::{Kernel, Work},
 };

@@ -10,8 +10,7 @@ use fd_numeric::lanes::{self, DoubleRegisters, Registers, Simd, elementary};
 
 use super::{
     expr::Comparison,
-    kernel::{Kernel, Work},
-    value::{Lanes, Value},
+    value::{Kernel, Lanes, Value, Work},
 };
 
 /// Arithmetic in registers of several lanes.

@@ -1,18 +1,14 @@
-//! What a slot of the bytecode holds: one number, or several side by side.
+//! What a slot of the bytecode holds, one number or several side by side, and what a program needs of a machine for it.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined into code for wide registers is compiled for narrow ones"
 )]
 
-use std::{fmt::Debug, marker::PhantomData};
+use std::fmt::Debug;
 
 use fd_core::Scalar;
-use fd_numeric::lanes::Machine;
 
-use super::{
-    kernel::{OneLane, Work},
-    registers::InLanes,
-};
+use super::expr::Comparison;
 
 /// A number, or several independent ones that take the same way through a program.
 ///
@@ -87,52 +83,6 @@ pub trait Value: Copy + Debug + Send + Sync + 'static {
     }
 }
 
-impl<T: Scalar> Value for T {
-    type Lane = T;
-
-    const LANES: usize = 1;
-
-    #[inline(always)]
-    fn splat(lane: T) -> Self {
-        lane
-    }
-
-    #[inline(always)]
-    fn lane(&self, _lane: usize) -> T {
-        *self
-    }
-
-    #[inline(always)]
-    fn set_lane(&mut self, _lane: usize, value: T) {
-        *self = value;
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(T) -> T) -> Self {
-        f(self)
-    }
-
-    #[inline(always)]
-    fn zip(self, b: Self, f: impl Fn(T, T) -> T) -> Self {
-        f(self, b)
-    }
-
-    #[inline(always)]
-    fn zip3(self, b: Self, c: Self, f: impl Fn(T, T, T) -> T) -> Self {
-        f(self, b, c)
-    }
-
-    #[inline(always)]
-    fn all_finite(&self) -> bool {
-        self.is_finite()
-    }
-
-    #[inline(always)]
-    fn vectorized<W: Work<Self>>(work: W) {
-        work.run(OneLane);
-    }
-}
-
 /// `N` numbers side by side.
 ///
 /// Arithmetic, roots, comparisons, sines and exponentials of all lanes are one or a few dozen
@@ -155,60 +105,48 @@ impl<T: Scalar> Value for T {
 #[repr(align(64))]
 pub struct Lanes<const N: usize>(pub [f64; N]);
 
-impl<const N: usize> Value for Lanes<N> {
-    type Lane = f64;
+/// The cheap operations on values, written to `to`. Each lane gets to the bit what `evaluate` says.
+pub trait Kernel<V: Value>: Copy {
+    /// `a + b`.
+    fn add(self, to: &mut V, a: &V, b: &V);
+    /// `a - b`.
+    fn sub(self, to: &mut V, a: &V, b: &V);
+    /// `a*b`.
+    fn mul(self, to: &mut V, a: &V, b: &V);
+    /// `a/b`.
+    fn div(self, to: &mut V, a: &V, b: &V);
+    /// `a*b + c`, with the product rounded.
+    fn mul_add(self, to: &mut V, a: &V, b: &V, c: &V);
+    /// `a*b - c`, with the product rounded.
+    fn mul_sub(self, to: &mut V, a: &V, b: &V, c: &V);
+    /// `c - a*b`, with the product rounded.
+    fn sub_mul(self, to: &mut V, a: &V, b: &V, c: &V);
+    /// `-a`.
+    fn neg(self, to: &mut V, a: &V);
+    /// `sqrt(a)`.
+    fn sqrt(self, to: &mut V, a: &V);
+    /// `sin(a)`.
+    fn sin(self, to: &mut V, a: &V);
+    /// `cos(a)`.
+    fn cos(self, to: &mut V, a: &V);
+    /// `exp(a)`.
+    fn exp(self, to: &mut V, a: &V);
+    /// `tanh(a)`.
+    fn tanh(self, to: &mut V, a: &V);
+    /// `b` where `b < a`, else `a`.
+    fn smaller(self, to: &mut V, a: &V, b: &V);
+    /// `b` where `a < b`, else `a`.
+    fn larger(self, to: &mut V, a: &V, b: &V);
+    /// `a` within `b` and `c`.
+    fn clamp(self, to: &mut V, a: &V, b: &V, c: &V);
+    /// 1 where the comparison holds, else 0.
+    fn compare(self, comparison: Comparison, to: &mut V, a: &V, b: &V);
+    /// `b` where `0 < a`, else `c`.
+    fn select(self, to: &mut V, a: &V, b: &V, c: &V);
+}
 
-    const LANES: usize = N;
-
-    #[inline(always)]
-    fn splat(lane: f64) -> Self {
-        Self([lane; N])
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> f64 {
-        self.0[lane]
-    }
-
-    #[inline(always)]
-    fn set_lane(&mut self, lane: usize, value: f64) {
-        self.0[lane] = value;
-    }
-
-    #[inline(always)]
-    fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
-        for i in 0..N {
-            self.0[i] = f(self.0[i]);
-        }
-        self
-    }
-
-    #[inline(always)]
-    fn zip(mut self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        for i in 0..N {
-            self.0[i] = f(self.0[i], b.0[i]);
-        }
-        self
-    }
-
-    #[inline(always)]
-    fn zip3(mut self, b: Self, c: Self, f: impl Fn(f64, f64, f64) -> f64) -> Self {
-        for i in 0..N {
-            self.0[i] = f(self.0[i], b.0[i], c.0[i]);
-        }
-        self
-    }
-
-    #[inline(always)]
-    fn all_finite(&self) -> bool {
-        let mut all = true;
-        for value in self.0 {
-            all &= value.is_finite();
-        }
-        all
-    }
-
-    fn vectorized<W: Work<Self>>(work: W) {
-        Machine::detect().for_rows_of(N).run(InLanes { work, lanes: PhantomData::<Self> });
-    }
+/// Something to be computed with a kernel.
+pub trait Work<V: Value> {
+    /// Computes it.
+    fn run(self, kernel: impl Kernel<V>);
 }

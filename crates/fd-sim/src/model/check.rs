@@ -8,13 +8,12 @@ use std::collections::HashMap;
 use fd_model::nearest;
 
 use self::names::Meaning;
+use self::numbers::Checked;
 use super::{
     draft::{Draft, Law},
     error::{Mistake, ModelError},
 };
 use crate::equation::{Expr, MAX_DEPTH, RESERVED, in_order_of_use, locate};
-
-type Checked = Result<(), ModelError>;
 
 /// Checks everything that [`Model`](super::Model) promises.
 pub(super) fn check(draft: &Draft) -> Checked {

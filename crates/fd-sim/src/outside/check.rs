@@ -4,7 +4,7 @@ mod repeat;
 
 use std::time::Instant;
 
-use super::{drive::Drive, simulator::Spread};
+use super::{drive::Drive, spread::Spread};
 use crate::simulate::{Run, Simulator, Tape};
 
 /// Relative change of a parameter between two runs that must differ smoothly.

@@ -117,3 +117,14 @@ fn quoted(last_words: &str) -> String {
     let lines = last_words.lines().map(|line| format!("\n  | {line}"));
     format!("; the end of its standard error:{}", lines.collect::<String>())
 }
+
+/// What is said of an entry at a place that makes no sense.
+pub(super) fn wrong(
+    place: &str,
+    key: impl Into<String>,
+    expected: impl Into<String>,
+    found: impl std::fmt::Display,
+) -> OutsideError {
+    let (key, expected, found) = (key.into(), expected.into(), found.to_string());
+    OutsideError::Value { place: place.to_owned(), key, expected, found }
+}

@@ -10,11 +10,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{
-    contract::{Entry, Stated},
     error::OutsideError,
     powers::Powers,
     programs,
     simulator::OutsideSimulator,
+    stated::{Entry, Stated},
 };
 use crate::{
     model::{Draft, Model, Ordered},

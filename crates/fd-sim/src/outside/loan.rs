@@ -13,9 +13,10 @@ use super::{
     lock::open,
     memory::{Memory, Past},
     pool::{Lease, Pool},
-    simulator::{Spread, Tapes},
     source::{Instance, Lost, Source},
+    spread::Spread,
     tally::Tally,
+    tapes::Tapes,
 };
 use crate::simulate::DifferenceEquation;
 

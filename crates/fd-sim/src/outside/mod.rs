@@ -35,8 +35,11 @@ mod process;
 mod programs;
 mod simulator;
 mod source;
+mod spread;
+mod stated;
 mod sync;
 mod tally;
+mod tapes;
 
 #[cfg(feature = "fmu")]
 pub use self::fmu::Fmu;
@@ -46,14 +49,16 @@ pub use self::fmu::{host_fmus, serve_fmu};
 pub use self::process::{PROTOCOL_VERSION, Process, serve, stated};
 pub use self::{
     check::{Checked, Conformance, Grade, check, check_driven},
-    contract::{Contract, Entry, Motion, Stated},
+    contract::{Contract, Motion},
     drive::Drive,
     error::OutsideError,
     file::{OUTSIDE_KINDS, OutsideFile},
     leftovers::end_programs,
     powers::Powers,
     programs::{NoPrograms, forbid_programs, programs_are_forbidden},
-    simulator::{OutsideSimulator, Spread},
+    simulator::OutsideSimulator,
     source::{Instance, Lane, Lost, Source, Start, by_lanes, by_steps},
+    spread::Spread,
+    stated::{Entry, Stated},
     tally::Counts,
 };

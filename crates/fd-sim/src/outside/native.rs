@@ -1,8 +1,8 @@
 //! Native effects, as an outside simulator states them.
 
 use super::{
-    contract::{Entry, Stated, wrong},
-    error::OutsideError,
+    error::{OutsideError, wrong},
+    stated::{Entry, Stated},
 };
 use crate::{model::Parameter, simulate::NativeEffect};
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{contract::wrong, error::OutsideError};
+use super::error::{OutsideError, wrong};
 
 /// What a simulator can do.
 #[expect(clippy::struct_excessive_bools, reason = "each is a power of its own")]

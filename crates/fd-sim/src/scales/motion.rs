@@ -2,7 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::{ForceScale, is_discrete, parts::parts};
+use super::{
+    force::{ForceScale, is_discrete},
+    parts::parts,
+};
 use crate::{
     equation::{Definitions, Expr, MAX_DEPTH, Size, Slopes},
     model::{Definition, FreshNames, Law, Model, Site},

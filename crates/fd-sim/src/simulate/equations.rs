@@ -13,10 +13,11 @@ use std::sync::Arc;
 use fd_core::{Scalar, StateVisitor};
 use fd_model::{Channel, SampleTime};
 
-use self::lanes::Many;
+use self::lanes::{Many, WIDEST};
 pub(super) use self::{engine::Engine, system::System};
 use super::{
     error::SimulateError,
+    one_by_one::one_by_one,
     run::{Outcome, Run, drive},
     simulator::{Initial, Port, Simulator},
 };
@@ -198,6 +199,11 @@ impl Simulator for EquationSimulator<f64> {
     }
 
     fn simulate_many(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
-        self.run_in_lanes(first, u, runs);
+        for some in runs.chunks_mut(WIDEST) {
+            match some.len() {
+                1 => one_by_one(self, first, u, some),
+                _ => self.many.run(&self.engine.system, first, u, some),
+            }
+        }
     }
 }

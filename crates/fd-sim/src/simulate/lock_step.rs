@@ -2,7 +2,6 @@
 
 use fd_model::SampleTime;
 
-use super::simulator::Simulator;
 use crate::model::Model;
 
 /// One of several runs that go on together. What drives it may depend on what it shows, which is why it cannot be made
@@ -14,10 +13,10 @@ pub trait Driven: Send {
     /// Begins, or begins again where a simulator has ended in the middle of a run.
     fn begin(&mut self);
 
-    /// Parameters, in the order of [`Simulator::parameters`]; after [`begin`](Self::begin).
+    /// Parameters, in the order of [`Simulator::parameters`](super::Simulator::parameters); after [`begin`](Self::begin).
     fn theta(&self) -> &[f64];
 
-    /// Initial state, in the order of [`Simulator::initial`].
+    /// Initial state, in the order of [`Simulator::initial`](super::Simulator::initial).
     fn x0(&self) -> &[f64];
 
     /// How many steps there are to make.
@@ -78,29 +77,4 @@ pub struct Around<'a> {
     pub u: &'a [f64],
     /// How many samples there are.
     pub samples: usize,
-}
-
-/// One lane after the other.
-pub(crate) fn lane_by_lane<S: Simulator + ?Sized>(
-    simulator: &mut S,
-    first: u64,
-    lanes: &mut [Box<dyn Driven + '_>],
-) {
-    let (nu, nf, ny) =
-        (simulator.inputs().len(), simulator.ports().len(), simulator.outputs().len());
-    let (mut u, mut f) = (vec![0.0; nu], vec![0.0; nf]);
-    let (mut seen, mut y) = (vec![0.0; ny], vec![0.0; ny]);
-    for lane in lanes {
-        lane.begin();
-        simulator.start(lane.theta(), lane.x0(), first);
-        for step in 0..lane.steps() {
-            let measures = simulator.measure(lane.input(step), &mut seen);
-            lane.drive(step, measures.then_some(&seen[..]), &mut u, &mut f);
-            simulator.step(&u, &u, &f, &mut y);
-            if !lane.take(step, &y) {
-                break;
-            }
-        }
-        simulator.rest();
-    }
 }

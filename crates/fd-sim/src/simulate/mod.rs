@@ -25,6 +25,7 @@
 //! A simulation that diverges is neither an error nor a panic: it is NaN from then on, and
 //! [`Outcome::Diverged`] says since when.
 
+mod as_tapes;
 mod black_box;
 mod delay_line;
 mod difference_equation;
@@ -40,6 +41,7 @@ mod logged_loop;
 mod logged_outputs;
 mod native;
 mod nominal;
+mod one_by_one;
 mod run;
 mod shell;
 mod simulator;
@@ -47,6 +49,7 @@ mod state_map;
 mod timing;
 mod walk;
 
+pub(crate) use self::{as_tapes::as_tapes, one_by_one::lane_by_lane};
 pub use self::{
     black_box::BlackBox,
     difference_equation::{Changes, DifferenceEquation},
@@ -65,4 +68,3 @@ pub use self::{
     state_map::StateMap,
     walk::walk,
 };
-pub(crate) use self::{lock_step::lane_by_lane, run::as_tapes};

@@ -2,8 +2,6 @@
 
 use fd_core::Scalar;
 
-use super::simulator::Simulator;
-
 /// How a simulation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -23,16 +21,16 @@ pub struct Tape<'a> {
     pub run: Run<'a>,
     /// Inputs, row by row.
     pub u: &'a [f64],
-    /// Forces, row by row, in the order of [`Simulator::ports`].
+    /// Forces, row by row, in the order of [`Simulator::ports`](super::Simulator::ports).
     pub f: &'a [f64],
 }
 
 /// One of several runs through the same inputs.
 #[derive(Debug)]
 pub struct Run<'a> {
-    /// Parameters, in the order of [`Simulator::parameters`].
+    /// Parameters, in the order of [`Simulator::parameters`](super::Simulator::parameters).
     pub theta: &'a [f64],
-    /// Initial state, in the order of [`Simulator::initial`].
+    /// Initial state, in the order of [`Simulator::initial`](super::Simulator::initial).
     pub x0: &'a [f64],
     /// Outputs, row by row, to be written; after a divergence the rest is NaN.
     pub y: &'a mut [f64],
@@ -81,69 +79,6 @@ impl<'a> Run<'a> {
 pub(crate) fn rows<'a>(u: &'a [f64], nu: usize) -> impl Fn(usize) -> [&'a [f64]; 2] {
     let last = (u.len() / nu.max(1)).max(1) - 1;
     move |k| [k, (k + 1).min(last)].map(|k| &u[k * nu..(k + 1) * nu])
-}
-
-/// One run after the other.
-pub(super) fn one_by_one<S: Simulator + ?Sized>(
-    simulator: &mut S,
-    first: u64,
-    u: &[f64],
-    runs: &mut [Run<'_>],
-) {
-    let (nu, ny) = (simulator.inputs().len(), simulator.outputs().len());
-    let inputs = rows(u, nu);
-    for run in runs {
-        simulator.start(run.theta, run.x0, first);
-        run.make(ny, |k, y| {
-            let [now, next] = inputs(k);
-            simulator.step(now, next, &[], y);
-        });
-        simulator.rest();
-    }
-}
-
-/// Steps through tapes, one after the other.
-pub(super) fn step_through<S: Simulator + ?Sized>(
-    simulator: &mut S,
-    first: u64,
-    tapes: &mut [Tape<'_>],
-) {
-    let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
-    let ny = simulator.outputs().len();
-    for Tape { run, u, f } in tapes {
-        simulator.start(run.theta, run.x0, first);
-        run.make(ny, |k, y| {
-            let (u, f) = (&u[k * nu..(k + 1) * nu], &f[k * nf..(k + 1) * nf]);
-            simulator.step(u, u, f, y);
-        });
-        simulator.rest();
-    }
-}
-
-/// Runs through the same inputs, `u` row by row, as tapes without forces; `replay` makes these.
-pub(crate) fn as_tapes<S: Simulator>(
-    simulator: &mut S,
-    u: &[f64],
-    runs: &mut [Run<'_>],
-    replay: impl FnOnce(&mut S, &mut [Tape<'_>]),
-) {
-    let (nu, nf) = (simulator.inputs().len(), simulator.ports().len());
-    let ny = simulator.outputs().len();
-    let inputs = rows(u, nu);
-    let samples = runs.iter().map(|run| run.y.len() / ny).max().unwrap_or(0);
-    let u: Vec<f64> = (0..samples).flat_map(|k| inputs(k)[0]).copied().collect();
-    let f = vec![0.0; samples * nf];
-    let mut tapes: Vec<Tape<'_>> = runs
-        .iter_mut()
-        .map(|run| {
-            let n = run.y.len() / ny;
-            let again = Run::new(run.theta, run.x0, &mut *run.y);
-            Tape { run: again, u: &u[..n * nu], f: &f[..n * nf] }
-        })
-        .collect();
-    replay(simulator, &mut tapes);
-    let outcomes: Vec<Outcome> = tapes.into_iter().map(|tape| tape.run.outcome).collect();
-    runs.iter_mut().zip(outcomes).for_each(|(run, outcome)| run.outcome = outcome);
 }
 
 /// Steps through all samples, until one is not finite.

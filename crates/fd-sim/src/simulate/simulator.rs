@@ -6,9 +6,10 @@ use fd_core::StateVisitor;
 use fd_model::{Channel, SampleTime};
 
 use super::difference_equation::DifferenceEquation;
-use super::lock_step::{Driven, lane_by_lane};
+use super::lock_step::Driven;
 use super::native::NativeEffect;
-use super::run::{Outcome, Run, Tape, drive, one_by_one, step_through};
+use super::one_by_one::{lane_by_lane, one_by_one, step_through};
+use super::run::{Outcome, Run, Tape, drive};
 use crate::model::Parameter;
 
 /// A deterministic model of a plant that can be run from any initial state, with any parameters.

@@ -7,9 +7,10 @@
 use faer::{Mat, linalg::solvers::SolveLstsq};
 use fd_numeric::dense::Dense;
 
-use super::respond::pulse;
 use crate::simulate::DifferenceEquation;
 
+/// Steps into one direction, one after another: fast and slow plants are moved.
+const HOLDS: [usize; 6] = [3, 29, 7, 83, 13, 47];
 /// Orders that are tried.
 const ORDERS: [usize; 6] = [1, 2, 3, 4, 6, 8];
 /// Weight against coefficients that nothing determines, as a part of the data.
@@ -130,4 +131,16 @@ impl Data<'_> {
         }
         if squares.is_finite() { squares } else { f64::INFINITY }
     }
+}
+
+/// What an input or a force is moved by in a step: up and down, for as many steps as `HOLDS` say.
+pub(super) fn pulse(size: f64, k: usize) -> f64 {
+    let mut left = k % (2 * HOLDS.iter().sum::<usize>());
+    for (i, hold) in HOLDS.iter().cycle().enumerate() {
+        if left < *hold {
+            return if i % 2 == 0 { size } else { -size };
+        }
+        left -= hold;
+    }
+    0.0
 }

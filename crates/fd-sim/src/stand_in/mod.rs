@@ -31,6 +31,7 @@ mod slopes;
 use fd_model::{Channel, ModelError, Record, SampleTime};
 
 pub use self::replay::{Driven, Replay};
+pub(crate) use self::replayed::ROW;
 use self::{
     affine::Affine,
     check::explained,
@@ -45,9 +46,6 @@ use crate::{
     scales::ReplayScales,
     simulate::{Nominal, Shell, SimulateError, Simulator},
 };
-
-/// The input by which a stand-in knows which sample of which log it is at.
-pub(crate) const ROW: &str = "replayed_row";
 
 /// Share of a disturbance below which slopes are taken once more, from moves that are large.
 const LITTLE: f64 = 0.5;

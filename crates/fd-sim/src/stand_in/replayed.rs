@@ -4,11 +4,13 @@ use std::{fmt::Debug, sync::Arc};
 
 use fd_model::{Channel, SampleTime};
 
-use super::ROW;
 use crate::{
     model::Parameter,
     simulate::{Initial, Port, Simulator},
 };
+
+/// The input by which a stand-in knows which sample of which log it is at.
+pub(crate) const ROW: &str = "replayed_row";
 
 /// A model that is linear around replays, of which rows are steps of the simulator, those of all replays one after
 /// the other.

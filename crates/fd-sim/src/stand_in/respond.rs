@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    difference::{Data, Response},
+    difference::{Data, Response, pulse},
     nudge::{nudge, part},
     replay::Replay,
     responses::Known,
@@ -12,8 +12,6 @@ use crate::simulate::{DifferenceEquation, Outcome, Run, Simulator, Tape};
 
 /// How far inputs and forces are moved, as a part of their size: enough to be seen in seven digits.
 const MOVED: f64 = 0.05;
-/// Steps into one direction, one after another: fast and slow plants are moved.
-const HOLDS: [usize; 6] = [3, 29, 7, 83, 13, 47];
 /// How far initial states are moved, as a part of their size.
 const STEP: f64 = 1e-3;
 
@@ -132,18 +130,6 @@ fn whole_runs(
         outputs.iter_mut().zip(y).for_each(|(to, y)| to.extend(y));
     }
     Some(outputs)
-}
-
-/// What an input or a force is moved by in a step: up and down, for as many steps as `HOLDS` say.
-pub(super) fn pulse(size: f64, k: usize) -> f64 {
-    let mut left = k % (2 * HOLDS.iter().sum::<usize>());
-    for (i, hold) in HOLDS.iter().cycle().enumerate() {
-        if left < *hold {
-            return if i % 2 == 0 { size } else { -size };
-        }
-        left -= hold;
-    }
-    0.0
 }
 
 /// Largest value of a column; 1 where it rests at zero.

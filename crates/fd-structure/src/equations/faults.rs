@@ -7,7 +7,7 @@ use fd_sim::{
     model::{Law, Model},
 };
 
-use super::EquationsError;
+use super::error::EquationsError;
 
 /// Which equations of a model may be violated by a fault, one fault each, called `f_` and the name of the entry.
 ///

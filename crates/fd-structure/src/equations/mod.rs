@@ -13,14 +13,14 @@
 //! Known are the logs of the outputs and of the inputs that come from outside, written `log.y` in expressions.
 //! Parameters, tables and the time are known as well and left out; what depends on nothing else is a constant.
 
+mod error;
 mod faults;
 mod read;
 
 use fd_sim::{equation::Expr, model::Model};
-use thiserror::Error;
 
-pub use self::faults::FaultPlaces;
-use crate::model::{StructuralModel, StructureError};
+pub use self::{error::EquationsError, faults::FaultPlaces};
+use crate::model::StructuralModel;
 
 /// The name of a logged signal in expressions; a point is not part of the language.
 pub(crate) fn logged(name: &str) -> String {
@@ -94,35 +94,7 @@ pub struct EquationModel {
     pub(crate) constants: Vec<(String, Expr)>,
 }
 
-/// No structural model can be made.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum EquationsError {
-    /// A fault is wanted at something that has no equation.
-    #[error(
-        "no fault can be placed at `{name}`: expected sensors, actuators, laws, definitions, all, none, or one of {known}"
-    )]
-    NoPlace {
-        /// What was asked for.
-        name: String,
-        /// Inputs, states, definitions and outputs.
-        known: String,
-    },
-    /// The structure is inconsistent.
-    #[error(transparent)]
-    Structure(#[from] StructureError),
-}
-
 impl EquationModel {
-    /// Reads the equations of a model, with faults at these places.
-    ///
-    /// # Errors
-    ///
-    /// Returns an error for faults at places that the model does not have.
-    pub fn new(model: &Model, places: &FaultPlaces) -> Result<Self, EquationsError> {
-        read::read(model, places)
-    }
-
     /// Which unknowns, known signals and faults are in which equation.
     #[must_use]
     pub fn structure(&self) -> &StructuralModel {

@@ -7,10 +7,21 @@ use fd_sim::{
     model::{Definition, Input, Law, Model, State},
 };
 
-use super::{EquationModel, EquationsError, FaultPlaces, Relation, logged};
+use super::{EquationModel, Relation, error::EquationsError, faults::FaultPlaces, logged};
 use crate::model::{Builder, StructuralModel};
 
-pub(super) fn read(model: &Model, places: &FaultPlaces) -> Result<EquationModel, EquationsError> {
+impl EquationModel {
+    /// Reads the equations of a model, with faults at these places.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error for faults at places that the model does not have.
+    pub fn new(model: &Model, places: &FaultPlaces) -> Result<Self, EquationsError> {
+        read(model, places)
+    }
+}
+
+fn read(model: &Model, places: &FaultPlaces) -> Result<EquationModel, EquationsError> {
     let (unknowns, constants) = sorted(model);
     let mut reader = Reader {
         builder: StructuralModel::builder(&model.name),

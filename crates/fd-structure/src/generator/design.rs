@@ -10,7 +10,6 @@ use super::{
     guess::guesses,
     invert::solve_for,
     newton::Block,
-    run::RunningResidual,
     sequence::{Flow, SequenceError},
 };
 use crate::{
@@ -338,11 +337,5 @@ impl Residual {
     #[must_use]
     pub fn solves(&self) -> &[Solve] {
         &self.solves
-    }
-
-    /// At the beginning of a run.
-    #[must_use]
-    pub fn start(&self) -> RunningResidual<'_> {
-        RunningResidual::new(self)
     }
 }

@@ -45,6 +45,14 @@ pub struct RunningResidual<'a> {
     samples: u64,
 }
 
+impl Residual {
+    /// At the beginning of a run.
+    #[must_use]
+    pub fn start(&self) -> RunningResidual<'_> {
+        RunningResidual::new(self)
+    }
+}
+
 impl<'a> RunningResidual<'a> {
     pub(super) fn new(design: &'a Residual) -> Self {
         let prepared = |program: &fd_sim::equation::Program| {

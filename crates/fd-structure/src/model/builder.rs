@@ -12,8 +12,22 @@ pub struct Builder {
     faults: Vec<(String, Vec<String>)>,
 }
 
+impl StructuralModel {
+    /// A model to be put together by hand.
+    ///
+    /// ```
+    /// use fd_structure::model::{StructuralModel, StructureError};
+    ///
+    /// let model = StructuralModel::builder("typo").equation("e1", ["x"], ["y"]).fault("f", "e2");
+    /// assert!(matches!(model.build(), Err(StructureError::NoSuchEquation { .. })));
+    /// ```
+    pub fn builder(name: impl Into<String>) -> Builder {
+        Builder::new(name)
+    }
+}
+
 impl Builder {
-    pub(super) fn new(name: impl Into<String>) -> Self {
+    fn new(name: impl Into<String>) -> Self {
         Self {
             model: StructuralModel { name: name.into(), ..StructuralModel::default() },
             faults: Vec::new(),

@@ -79,18 +79,6 @@ pub struct Fault {
 }
 
 impl StructuralModel {
-    /// A model to be put together by hand.
-    ///
-    /// ```
-    /// use fd_structure::model::{StructuralModel, StructureError};
-    ///
-    /// let model = StructuralModel::builder("typo").equation("e1", ["x"], ["y"]).fault("f", "e2");
-    /// assert!(matches!(model.build(), Err(StructureError::NoSuchEquation { .. })));
-    /// ```
-    pub fn builder(name: impl Into<String>) -> Builder {
-        Builder::new(name)
-    }
-
     /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -4,7 +4,7 @@ use std::{sync::mpsc::sync_channel, time::Duration};
 
 use serde::Deserialize;
 
-use super::{Gate, Head, Line, Refusal};
+use super::{gate::Gate, head::Head, line::Line, refusal::Refusal};
 use crate::board::{Answer, Board};
 
 /// Longest answer in bytes; the name of a unit has at most 200 characters.

@@ -5,7 +5,7 @@
 
 use std::{io, net::IpAddr};
 
-use super::{Head, Refusal};
+use super::{head::Head, refusal::Refusal};
 
 /// Who may look at a board, and who may answer its questions.
 ///

@@ -1,6 +1,6 @@
 //! What a client asks for: the head of a request (RFC 9112), as far as a page of a monitor needs it, and no further.
 
-use super::Refusal;
+use super::refusal::Refusal;
 
 /// Longest head in bytes, as other servers have it.
 pub(super) const LONGEST: usize = 8192;

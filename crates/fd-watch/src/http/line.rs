@@ -6,7 +6,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{Head, Refusal, head};
+use super::{
+    head::{self, Head},
+    refusal::Refusal,
+};
 
 /// Longest time in which a request has to be here, however slowly it comes, and its answer has to be taken.
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
@@ -108,6 +111,11 @@ impl Line {
             }
         }
         Ok(())
+    }
+
+    /// Answers with a status and why.
+    pub(super) fn refuse(self, Refusal(status, why): &Refusal) -> io::Result<()> {
+        self.answer(*status, "text/plain; charset=utf-8", &format!("{why}\n"))
     }
 
     /// Begins an answer that has no end, and hands out where to write it.

@@ -8,6 +8,7 @@ mod crowd;
 mod gate;
 mod head;
 mod line;
+mod refusal;
 
 use std::{
     io::{self, Write},
@@ -21,8 +22,8 @@ pub use self::gate::Access;
 use self::{
     crowd::{Crowd, Places},
     gate::Gate,
-    head::Head,
     line::Line,
+    refusal::Refusal,
 };
 use crate::board::Board;
 
@@ -39,10 +40,6 @@ const BREATH: Duration = Duration::from_millis(100);
 /// The live page, and where its token goes.
 const PAGE: &str = include_str!("page.html");
 const TOKEN: &str = "{{token}}";
-
-/// A status and why.
-#[derive(Debug)]
-struct Refusal(u16, String);
 
 struct Server {
     gate: Gate,
@@ -112,24 +109,24 @@ impl Server {
         let head = head.and_then(|head| self.gate.names_us(&head).map(|()| head));
         let head = match head {
             Ok(head) => head,
-            Err(refusal) => return refusal.say(line),
+            Err(refusal) => return line.refuse(&refusal),
         };
         match (head.method.as_str(), head.path.as_str()) {
             ("POST", "/answer") => {
                 let Some(_place) = self.answers.take() else {
-                    return Refusal(503, "too many answers at once".to_owned()).say(line);
+                    return line.refuse(&Refusal(503, "too many answers at once".to_owned()));
                 };
                 match answers::take(&head, &mut line, &self.gate, &self.board) {
                     Ok(()) => line.answer(200, "text/plain", "kept\n"),
-                    Err(refusal) => refusal.say(line),
+                    Err(refusal) => line.refuse(&refusal),
                 }
             }
             ("GET", "/live") => {
                 if let Err(refusal) = Gate::is_own_page(&head) {
-                    return refusal.say(line);
+                    return line.refuse(&refusal);
                 }
                 let Some(_place) = self.viewers.take() else {
-                    return Refusal(503, "too many pages are open".to_owned()).say(line);
+                    return line.refuse(&Refusal(503, "too many pages are open".to_owned()));
                 };
                 self.crowd.leave(number);
                 show(line, &self.board)
@@ -143,16 +140,10 @@ impl Server {
                 line.answer(if is_well { 200 } else { 503 }, "application/json", &json)
             }
             ("GET" | "HEAD", _) => {
-                Refusal(404, "there are /, /metrics and /healthz".to_owned()).say(line)
+                line.refuse(&Refusal(404, "there are /, /metrics and /healthz".to_owned()))
             }
-            _ => Refusal(405, "only GET is answered, and POST at /answer".to_owned()).say(line),
+            _ => line.refuse(&Refusal(405, "only GET is answered, and POST at /answer".to_owned())),
         }
-    }
-}
-
-impl Refusal {
-    fn say(self, line: Line) -> io::Result<()> {
-        line.answer(self.0, "text/plain; charset=utf-8", &format!("{}\n", self.1))
     }
 }
 

@@ -3,6 +3,7 @@
 mod cells;
 mod columns;
 mod csv_line;
+mod draft;
 mod ndjson;
 mod rows;
 mod runs;

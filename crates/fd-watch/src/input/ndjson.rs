@@ -7,7 +7,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, Seq
 use super::{
     cells::{self, Cell},
     columns::Bound,
-    rows::Draft,
+    draft::Draft,
 };
 
 /// Reads a line into a draft.

@@ -5,7 +5,7 @@ use fdiag::spec::PipelineSpec;
 use serde::{Deserialize, Serialize};
 
 use super::sealed::Sum;
-use crate::plan::Learning;
+use crate::learning::Learning;
 
 /// What a state belongs to. A state of anything else is refused: its numbers would mean something else.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

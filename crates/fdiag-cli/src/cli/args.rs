@@ -7,6 +7,7 @@ use fdiag::gap_study::{Budget, ControllerSees, HorizonChoice, Named, StartsChoic
 
 use super::{
     bounds::{BoundsArgs, Ending},
+    numbers::{positive, share},
     output::OutputArgs,
 };
 
@@ -169,12 +170,12 @@ pub(crate) struct CompensateArgs {
     /// Model file of the nominal plant (TOML)
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
-    /// Log of the real plant (CSV); may be repeated; without --healthy the first one is
+    /// Logs of the real plant (CSV), one or several; may be repeated; without --healthy the first one is
     /// the healthy log, the others are diagnosed
-    #[arg(long = "log", value_name = "FILE", required_unless_present_any = ["healthy", "print_spec"])]
+    #[arg(long = "log", value_name = "FILE", num_args = 1.., required_unless_present_any = ["healthy", "print_spec"])]
     pub logs: Vec<PathBuf>,
-    /// Log of the healthy plant (CSV) to learn from; may be repeated
-    #[arg(long, value_name = "FILE")]
+    /// Logs of the healthy plant (CSV) to learn from, one or several; may be repeated
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     pub healthy: Vec<PathBuf>,
     /// Column map of the logs (TOML); without it columns are found by channel name
     #[arg(long, value_name = "FILE")]
@@ -202,8 +203,8 @@ pub(crate) struct GapArgs {
     /// Model file of the simulator (TOML)
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
-    /// Log of the real system (CSV); may be repeated
-    #[arg(long = "log", value_name = "FILE", required_unless_present = "print_model")]
+    /// Logs of the real system (CSV), one or several; may be repeated
+    #[arg(long = "log", value_name = "FILE", num_args = 1.., required_unless_present = "print_model")]
     pub logs: Vec<PathBuf>,
     /// Diagnose every log by itself, and say which causes and strengths agree
     #[arg(long)]
@@ -211,8 +212,8 @@ pub(crate) struct GapArgs {
     /// Column map of the logs (TOML); channels that it does not name are found by name
     #[arg(long, value_name = "FILE")]
     pub columns: Option<PathBuf>,
-    /// Log that no fit sees, to measure how far the gap shrinks; may be repeated
-    #[arg(long, value_name = "FILE", conflicts_with = "split")]
+    /// Logs that no fit sees, to measure how far the gap shrinks, one or several; may be repeated
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "split")]
     pub held_out: Vec<PathBuf>,
     /// Share of each log that is fitted to; its end is held out [default: 0.67 without --held-out]
     #[arg(long, value_name = "SHARE", value_parser = share)]
@@ -285,21 +286,4 @@ pub(crate) struct GapArgs {
     pub print_model: bool,
     #[command(flatten)]
     pub output: OutputArgs,
-}
-
-/// A part of a whole that leaves something of it.
-pub(super) fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
-        Ok(_) => Err("expected a number between 0 and 1, both excluded".to_owned()),
-        Err(error) => Err(format!("expected a number between 0 and 1: {error}")),
-    }
-}
-
-/// A number above zero.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if 0.0 < number && number.is_finite() => Ok(number),
-        _ => Err("expected a number above 0".to_owned()),
-    }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::args::{positive, share};
+use super::numbers::{positive, share};
 
 /// After the options in the help text; `docs/watch.md` has more.
 pub(crate) const WATCH_HELP: &str = "\
@@ -25,8 +25,8 @@ pub(crate) struct WatchArgs {
     /// Choice of residual generator, bias model, detector and rule (TOML)
     #[arg(long, value_name = "FILE")]
     pub spec: Option<PathBuf>,
-    /// Log of the healthy plant (CSV) that all units learn from; may be repeated
-    #[arg(long, value_name = "FILE", required_unless_present_any = ["learn", "replay"])]
+    /// Logs of the healthy plant (CSV) that all units learn from, one or several; may be repeated
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present_any = ["learn", "replay"])]
     pub healthy: Vec<PathBuf>,
     /// Let each unit learn what is normal from its own first N samples instead
     #[arg(long, value_name = "N", conflicts_with = "healthy")]

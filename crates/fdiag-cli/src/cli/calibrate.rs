@@ -12,8 +12,8 @@ use fdiag::{
 
 use super::{
     failure::{ExitCode, Failure},
-    gap::refusal,
-    given,
+    given::given,
+    refusal::refusal,
     say::{remark, say},
 };
 

@@ -14,7 +14,7 @@ use fdiag::{
 use super::{
     args::CompensateArgs,
     failure::{ExitCode, Failure},
-    given,
+    given::given,
     output::Output,
     progress::Bar,
     say::say,

@@ -9,9 +9,8 @@ use std::{
 use fd_log::LogMap;
 use fd_page::{page, tables};
 use fdiag::{
-    core::{Limits, Resource},
+    core::Limits,
     effect::text::TextEffects,
-    gap::fit::FitError,
     gap_study::{
         Answered, Compared, GapError, GapStudy, HeldOutChoice, Request, ResampleChoice, Subject,
         Timing,
@@ -26,10 +25,11 @@ use super::{
     args::GapArgs,
     each,
     failure::{ExitCode, Failure},
-    given,
+    given::given,
     output::Output,
     pool::pool,
     progress::Stages,
+    refusal::refusal,
     say::{complain, remark, say},
 };
 
@@ -166,22 +166,4 @@ fn work(counts: &Counts) -> String {
         "Simulator: {asked} runs asked for (those of one step among them), {made} made and {repeated} made again, \
          {steps} steps, {inside} s inside; {deaths} deaths, {lost} runs lost"
     )
-}
-
-/// What cannot be simulated or fitted is no mistake of a file.
-pub(super) fn refusal(error: &GapError) -> Failure {
-    let reason = error.to_string();
-    let is_analysis = match error {
-        GapError::Outside { error, .. } => {
-            return match refusal(error) {
-                Failure::Analysis(_) => Failure::analysis(reason),
-                _ => Failure::of_input(reason),
-            };
-        }
-        GapError::Limit(limit) => limit.resource != Resource::Bytes,
-        GapError::Budget { .. } | GapError::Simulate(_) | GapError::Fit(_) => true,
-        GapError::Unfit { source, .. } => matches!(**source, FitError::TooShort { .. }),
-        _ => false,
-    };
-    if is_analysis { Failure::Analysis(reason) } else { Failure::of_input(reason) }
 }

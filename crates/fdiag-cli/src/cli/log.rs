@@ -9,7 +9,7 @@ use fdiag::model::figure;
 
 use super::{
     failure::{ExitCode, Failure},
-    given,
+    given::given,
     say::say,
 };
 

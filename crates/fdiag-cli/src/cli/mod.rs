@@ -9,12 +9,15 @@ mod demo;
 mod documented;
 mod each;
 mod gap;
+mod given;
 mod log;
+mod numbers;
+mod refusal;
 mod simulator;
 mod structure;
 mod watch;
 
-use std::{ffi::OsString, fmt::Display, path::Path};
+use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};
 use fd_console::{bounds, failure, output, pool, progress, say, shell};
@@ -30,14 +33,6 @@ use self::{
 /// The last line of `fdiag` alone.
 const START: &str = "To start: `fdiag demo` shows both halves of the method in half a minute; \
                      `fdiag gap --help` has examples for a simulator and logs of your own.";
-
-/// What a file of settings says, where one is given.
-fn given<T, E: Display>(
-    file: Option<&Path>,
-    read: impl FnOnce(&Path) -> Result<T, E>,
-) -> Result<Option<T>, Failure> {
-    file.map(read).transpose().map_err(Failure::of_input)
-}
 
 /// Runs what the command line asks for, the name of the program first, and says how it went.
 ///

@@ -48,11 +48,12 @@ impl AboveMaximum {
     pub(super) fn in_words(&self) -> String {
         let Self { samples, run, at_most, needed } = self;
         format!(
-            "The threshold is the maximum over {samples} healthy samples and a margin: up to {:.0} % of healthy runs of \
-             {run} samples exceed it. For one in twenty give {needed} samples (--healthy, several logs), or state the \
-             rate: [detector] kind = \"chi-square\", false_alarms = {{ kind = \"per-run\", probability = 0.05, samples = \
-             {run} }}, and [calibration] beyond = \"extrapolate\".",
+            "The threshold is the maximum over {samples} healthy samples and a margin: about {:.0} % of healthy runs of \
+             {run} samples exceed it, more where the residual has a long memory. For one in twenty it takes {needed} \
+             samples (with --healthy, {} times what was given: only a part of each log sets the threshold), or state the rate in the spec: `detector = {{ kind = \"chi-square\", false_alarms = {{ kind = \
+             \"per-run\", probability = 0.05, samples = {run} }} }}` and `calibration.beyond = \"extrapolate\"`.",
             100.0 * at_most,
+            needed.div_ceil((*samples).max(1)),
         )
     }
 }

@@ -69,8 +69,10 @@ impl Void {
         let mut void = vec![false; trace.len()];
         let mut events = trace.events.iter().peekable();
         for (k, void) in void.iter_mut().enumerate() {
-            let at = k + trace.refused;
-            while let Some(event) = events.next_if(|event| event.k <= at as u64) {
+            if trace.restarts.contains(&k) {
+                (is_outside, is_beyond, has_changed) = (false, false, false);
+            }
+            while let Some(event) = events.next_if(|event| event.k <= k as u64) {
                 let (flag, is_void, why) = match event.kind {
                     EventKind::OperatingPointLeft => {
                         (&mut is_outside, true, VoidReason::OperatingPoint)

@@ -2,6 +2,7 @@
 
 mod above;
 mod error;
+mod headline;
 mod healthy;
 mod material;
 mod named;

@@ -1,16 +1,12 @@
-//! A study of logs as a sentence, tables, pictures and a page.
+//! A study of logs as tables, pictures and a page.
 
 use std::cmp::Ordering;
 
 use fd_model::figure;
-use fd_numeric::rms;
 use fd_report::{Line, Page, Picture, PictureError, Table};
-use fdiag::training::{Applied, Compared, Trace, WhyNot};
+use fdiag::training::{Applied, Compared, Trace};
 
-use super::{
-    healthy::LogDoubt,
-    study::{LogResult, LogStudy, SignalUnit, Traces},
-};
+use super::study::{LogResult, LogStudy, SignalUnit, Traces};
 
 /// A statistic that is so many thresholds large is drawn on a logarithmic axis, where the threshold can be seen.
 const FAR_ABOVE: f64 = 20.0;
@@ -18,136 +14,6 @@ const FAR_ABOVE: f64 = 20.0;
 const SHOWN_FORMS: usize = 8;
 
 impl LogStudy {
-    /// What came out, in one sentence.
-    #[must_use]
-    pub fn headline(&self) -> String {
-        let later: Vec<&LogResult> = self.logs.iter().filter(|log| !log.healthy).collect();
-        let shown: Vec<&LogResult> =
-            if later.is_empty() { self.logs.iter().collect() } else { later.clone() };
-        let total =
-            |f: &dyn Fn(&LogResult) -> &[f64]| rms(shown.iter().flat_map(|log| f(log)).copied());
-        let (before, after) = (total(&|log| &log.rms_primary), total(&|log| &log.rms_compensated));
-        // Several outputs have no unit in common; what is left is how much smaller they became.
-        let change = match &self.residuals[..] {
-            [only] => format!(
-                " from {} to {} {}",
-                figure(only.scale * before),
-                figure(only.scale * after),
-                only.unit
-            ),
-            _ => String::new(),
-        };
-        let which = if later.is_empty() { "healthy logs" } else { "later logs" };
-        let alarmed = later.iter().filter(|log| log.first_alarm_s.1.is_some()).count();
-        let alarms = match (later.len(), alarmed) {
-            (0, _) => String::new(),
-            (1, 0) => " The later log raises no alarm.".to_owned(),
-            (1, _) => " The later log raises an alarm.".to_owned(),
-            (n, 0) => format!(" None of the {n} later logs raises an alarm."),
-            (n, a) => format!(" {a} of the {n} later logs raise an alarm."),
-        };
-        let off = self.where_off();
-        if self.all_are(Applied::Nothing) {
-            return format!("{off}{alarms}{}", self.cautions());
-        }
-        let factor = |after: f64| {
-            if after <= before {
-                format!("{} times smaller", figure(before / after))
-            } else {
-                format!("{} times larger", figure(after / before))
-            }
-        };
-        let alone = if self.all_are(Applied::Constant) {
-            String::new()
-        } else {
-            format!(", a constant alone {}", factor(total(&|log| &log.rms_constant)))
-        };
-        format!(
-            "{off}Compensation makes the rms residual on the {which} {}{change}{alone}.{alarms}{}{}",
-            factor(after),
-            self.warning(),
-            self.cautions(),
-        )
-    }
-
-    /// Whether the same is subtracted from every residual.
-    fn all_are(&self, applied: Applied) -> bool {
-        let payments = &self.bias.payments;
-        !payments.is_empty() && payments.iter().all(|payment| payment.applied == applied)
-    }
-
-    /// The residuals that the bias model is not subtracted from and why, as sentences; empty when there are none.
-    fn where_off(&self) -> String {
-        let off: Vec<(&SignalUnit, Applied, WhyNot)> = self
-            .residuals
-            .iter()
-            .zip(&self.bias.payments)
-            .filter(|(_, payment)| payment.applied != Applied::Bias)
-            .filter_map(|(residual, payment)| Some((residual, payment.applied, payment.why_not?)))
-            .collect();
-        let Some((_, _, first)) = off.first() else { return String::new() };
-        let all_for_this = off.iter().all(|(_, _, why)| why == first);
-        let why = if all_for_this {
-            first.in_words().to_owned()
-        } else {
-            let each = off.iter().map(|(of, _, why)| format!("{}: {}", of.name, why.in_words()));
-            each.collect::<Vec<_>>().join("; ")
-        };
-        if *first == WhyNot::Never {
-            "Compensation is switched off (bias.apply = \"never\"); the primary residual is judged."
-                .to_owned()
-        } else if self.all_are(Applied::Nothing) {
-            format!(
-                "Compensation does not pay here and is off, and the primary residual is judged: {why}."
-            )
-        } else if self.all_are(Applied::Constant) {
-            format!("Only a constant is subtracted, as more does not pay here: {why}. ")
-        } else {
-            let instead = off.iter().map(|(residual, applied, why)| {
-                let with = if *applied == Applied::Constant { "a constant" } else { "nothing" };
-                format!("{} has {with} subtracted: {}", residual.name, why.in_words())
-            });
-            let instead: Vec<String> = instead.collect();
-            format!(
-                "The bias model is not subtracted where it does not pay. {}. ",
-                instead.join("; ")
-            )
-        }
-    }
-
-    /// What speaks against the healthy logs and the thresholds from them, as sentences.
-    fn cautions(&self) -> String {
-        let doubts = self.doubts.iter().map(LogDoubt::sentence);
-        let voids = self.logs.iter().filter_map(|log| {
-            log.void.as_ref().map(|void| format!("{}: {}.", file_name(log), void.in_words()))
-        });
-        let not_compared = self.not_compared.as_ref();
-        let not_compared =
-            not_compared.map(|why| format!("Alarms without compensation are not compared: {why}."));
-        let above = self.above_maximum.map(|above| above.in_words());
-        let all: Vec<String> = doubts.chain(voids).chain(not_compared).chain(above).collect();
-        if all.is_empty() { String::new() } else { format!(" {}", all.join(" ")) }
-    }
-
-    /// Logs on which compensation makes things worse, as a sentence; empty when there are none.
-    fn warning(&self) -> String {
-        let total = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
-        let worse: Vec<String> = self
-            .logs
-            .iter()
-            .filter(|log| total(&log.rms_compensated) > total(&log.rms_primary))
-            .map(file_name)
-            .collect();
-        if worse.is_empty() {
-            return String::new();
-        }
-        format!(
-            " It makes the residual larger on {}: the bias there is not the one that was learned, \
-             for example because it is not linear in the input.",
-            worse.join(", ")
-        )
-    }
-
     /// The result as tables.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
@@ -337,7 +203,7 @@ impl LogStudy {
     }
 }
 
-fn file_name(log: &LogResult) -> String {
+pub(super) fn file_name(log: &LogResult) -> String {
     log.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned())
 }
 

@@ -141,6 +141,9 @@ pub struct LogResult {
     pub events: Vec<Event>,
     /// Samples refused because they were missing.
     pub refused: usize,
+    /// Samples that were judged: complete ones, once the diagnosis has settled.
+    #[serde(default)]
+    pub judged: usize,
 }
 
 /// The signals of the logs, for pictures.
@@ -249,6 +252,7 @@ impl LogStudy {
                 named: NamedFault::of(&with, &spec.isolation, &file.inputs, &file.outputs),
                 events: with.events.clone(),
                 refused: with.refused,
+                judged: with.compensating.iter().filter(|on| **on).count(),
             });
             traces.push((without, with));
             watcher.advance();

@@ -283,9 +283,12 @@ fn missing_cells_are_left_out_and_counted() {
         line.replace_range(cut + 1.., "NaN");
     }
     desk.put("gaps.csv", &(lines.join("\n") + "\n"));
-    let line = "compensate --model model.toml --log healthy.csv --log gaps.csv --json";
+    let line = "compensate --model model.toml --log healthy.csv gaps.csv later.csv --json";
     let json: serde_json::Value = serde_json::from_str(&stdout(&desk.fdiag(line))).unwrap();
     assert_eq!(json["logs"][1]["refused"], 10);
+    // Behind so long a gap it settles again before it judges.
+    let judged = [1, 2].map(|log| json["logs"][log]["judged"].as_u64().unwrap());
+    assert!(judged[0] + 10 < judged[1], "{judged:?}");
     desk.put("spec.toml", "hold_missing = 4\n");
     let line = format!("{line} --spec spec.toml");
     let json: serde_json::Value = serde_json::from_str(&stdout(&desk.fdiag(&line))).unwrap();

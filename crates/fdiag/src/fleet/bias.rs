@@ -3,7 +3,7 @@
 use fd_core::{Scalar, StateVisitor};
 use fd_ident::arx::ArxOrders;
 
-use super::PART;
+use super::block::PART;
 
 /// What [`ArxSimulator`](crate::ident::arx::ArxSimulator) remembers of one unit, for all of them:
 /// each row holds the same number of every unit.

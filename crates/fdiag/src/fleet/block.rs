@@ -2,7 +2,8 @@
 
 use fd_core::{IoDims, Scalar};
 
-use super::PART;
+/// Units that are computed side by side.
+pub(super) const PART: usize = 128;
 
 /// Some samples `(u, y)` of each unit of a fleet.
 ///

@@ -48,10 +48,7 @@ pub use self::{
     error::FleetError,
     unit::UnitStatus,
 };
-use self::{design::Shared, part::Part};
-
-/// Units that are computed side by side.
-const PART: usize = 128;
+use self::{block::PART, design::Shared, part::Part};
 
 /// Running diagnoses of many units.
 ///

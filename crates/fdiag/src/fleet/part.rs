@@ -8,9 +8,8 @@ use fd_core::{
 use fd_ident::batch::{BatchRls, SampleBlock};
 
 use super::{
-    PART,
     bias::BiasRows,
-    block::Samples,
+    block::{PART, Samples},
     design::{FleetDesign, FleetScalar, Shared},
     error::FleetError,
     unit::{Unit, UnitStatus},

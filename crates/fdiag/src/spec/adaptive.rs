@@ -15,7 +15,7 @@ use fd_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::detector::{DetectorData, DetectorSpecError};
+use super::detector_data::{DetectorData, DetectorSpecError};
 
 /// The bound `a + Σ b ‖φ u‖` on what a wrong model leaves in the residual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

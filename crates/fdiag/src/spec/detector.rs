@@ -1,14 +1,11 @@
 //! Which detector, as a line of a spec.
 
 use fd_compensate::{
-    DrivenRows, RowsError, SampleRows,
-    calibrate::{
-        CalibrationError, CalibrationPlan, FalseAlarms, calibrate_held_out,
-        calibrate_with_beginnings,
-    },
+    DrivenRows, SampleRows,
+    calibrate::{FalseAlarms, calibrate_held_out},
     detect::{
-        AdaptiveThreshold, ChiSquare, Cusum, DEFAULT_MARGIN, DetectorError, Glr, Magnitude, NSigma,
-        Spread, Sprt, Standardizer, TwoSample,
+        AdaptiveThreshold, ChiSquare, Cusum, DEFAULT_MARGIN, Glr, Magnitude, NSigma, Sprt,
+        TwoSample,
         adaptive::Evaluation,
         glr::{Course, GlrDesign},
         sprt::{ErrorProbabilities, Sides},
@@ -17,12 +14,13 @@ use fd_compensate::{
     },
 };
 use fd_core::stage::Detector;
-use fd_model::{Discrete, ModelError, StateSpace};
-use fd_residual::{DesignError, GeneratorDesign};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use super::{adaptive::AdaptiveSpec, signature::FaultSites};
+use super::{
+    adaptive::AdaptiveSpec,
+    detector_data::{DetectorData, DetectorSpecError},
+    signature::FaultSites,
+};
 
 /// A detector; its scales come from fault-free residuals, and its threshold from them or from a
 /// stated rate of false alarms.
@@ -136,43 +134,6 @@ pub(super) const EVERY: [&str; 14] = [
     r#"kind = "threshold-selector", bound = { kind = "learned", quantile = 0.9 }, corners = 3, slowest_samples = 20, memory_samples = 10, false_alarms = { kind = "per-sample", rate = 2e-3 }"#,
 ];
 
-/// What a detector is made from.
-#[derive(Clone, Copy, Debug)]
-pub struct DetectorData<'a> {
-    /// Fault-free residuals with their inputs.
-    pub healthy: DrivenRows<'a>,
-    /// How runs begin, each a run of its own, where they begin otherwise than they go on.
-    pub beginnings: Option<DrivenRows<'a>>,
-    /// How a threshold is found for a rate of false alarms; without it the detector is scaled but
-    /// its threshold stays at 1 and is set by the caller.
-    pub plan: Option<&'a CalibrationPlan>,
-    /// The nominal model.
-    pub model: &'a StateSpace<Discrete>,
-    /// What makes the residual.
-    pub design: &'a dyn GeneratorDesign,
-}
-
-/// A detector cannot be made from these fault-free residuals.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum DetectorSpecError {
-    /// Its settings or its scales.
-    #[error(transparent)]
-    Detector(#[from] DetectorError),
-    /// The fault-free samples.
-    #[error(transparent)]
-    Rows(#[from] RowsError),
-    /// Its threshold.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-    /// The residual generator does not allow what it needs to know of faults or uncertainty.
-    #[error(transparent)]
-    Generator(#[from] DesignError),
-    /// The model does not.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-}
-
 impl Default for DetectorSpec {
     fn default() -> Self {
         Self::Maximum { margin: DEFAULT_MARGIN }
@@ -221,25 +182,6 @@ fn default_whitening() -> usize {
 
 /// The threshold of a detector that is about to be calibrated; any positive number will do.
 const UNCALIBRATED: f64 = 1.0;
-
-impl DetectorData<'_> {
-    /// A detector with the threshold that keeps the wanted rate, set by `with`.
-    fn calibrated<D: Detector + 'static>(
-        &self,
-        mut detector: D,
-        wanted: FalseAlarms,
-        with: impl FnOnce(D, f64) -> Result<D, DetectorError>,
-    ) -> Result<Box<dyn Detector>, DetectorSpecError> {
-        let Some(plan) = self.plan else { return Ok(Box::new(detector)) };
-        let Self { healthy, beginnings, .. } = *self;
-        let found = calibrate_with_beginnings(&mut detector, healthy, beginnings, wanted, plan)?;
-        Ok(Box::new(with(detector, found.threshold)?))
-    }
-
-    fn standard(&self) -> Result<Standardizer<f64>, DetectorError> {
-        Standardizer::from_fault_free(self.healthy.residuals(), Spread::StandardDeviation)
-    }
-}
 
 impl DetectorSpec {
     /// The kind, as a spec calls it.

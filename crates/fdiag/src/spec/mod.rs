@@ -6,6 +6,7 @@
 mod adaptive;
 mod bias;
 mod detector;
+mod detector_data;
 mod generator;
 mod isolation;
 mod limits;
@@ -29,7 +30,8 @@ use serde::{Deserialize, Serialize};
 pub use self::{
     adaptive::{AdaptiveSpec, BoundSpec},
     bias::{ApplySpec, BiasSpec, LearningSpec, OrderSpec, StructureSpec},
-    detector::{DetectorData, DetectorSpec, DetectorSpecError},
+    detector::DetectorSpec,
+    detector_data::{DetectorData, DetectorSpecError},
     generator::{
         ComponentSpec, DeviationSpec, DisturbanceSpec, FaultEntry, GeneratorSpec,
         GeneratorSpecError, ModelBoundSpec, ModelSource, ParameterSpec, PartSpec, ShiftSpec,

@@ -9,10 +9,13 @@
 
 mod begin;
 mod bias;
+mod calibration;
 mod choose;
 mod error;
 mod examine;
 mod fault_free;
+mod fit;
+mod healthy;
 mod learn;
 mod pay;
 mod replay;
@@ -23,6 +26,7 @@ mod size;
 mod structure;
 mod trace;
 mod train;
+mod trained;
 
 pub use self::{
     begin::settling_time,
@@ -30,11 +34,13 @@ pub use self::{
     choose::Compared,
     error::TrainingError,
     examine::{Doubt, Examination, Names, examine, inputs_move},
+    healthy::Healthy,
     pay::{Applied, Payment, WhyNot},
     replay::{Primary, Subtracted, Subtraction},
     residuals::residual_record,
     running::RunningBias,
     size::{sensor_signatures, sensor_sizes},
-    trace::Trace,
-    train::{Healthy, Trained, train, train_on, train_within},
+    trace::{LONGEST_GAP, Trace},
+    train::{train, train_on, train_within},
+    trained::Trained,
 };

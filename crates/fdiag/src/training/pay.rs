@@ -4,7 +4,7 @@ use fd_compensate::calibrate::autocorrelation_time;
 use fd_numeric::rms;
 use serde::{Deserialize, Serialize};
 
-use super::{fault_free::FaultFree, train::Trained};
+use super::fault_free::FaultFree;
 use crate::spec::ApplySpec;
 
 /// What the bias model is worth in one residual channel, in the units of the model.
@@ -160,21 +160,5 @@ impl Payment {
             applied,
             why_not,
         }
-    }
-}
-
-impl Trained {
-    /// What the bias model is worth in each residual channel on the samples that it was calibrated on; none without
-    /// such samples, or when the bias is learned on line first.
-    #[must_use]
-    pub fn payments(&self) -> &[Payment] {
-        &self.payments
-    }
-
-    /// Means of the residuals that the bias was learned from, channel by channel: what a constant alone would subtract,
-    /// and a detector that knows the mean of healthy runs leaves out by itself.
-    #[must_use]
-    pub fn means(&self) -> &[f64] {
-        &self.means
     }
 }

@@ -9,7 +9,9 @@ use fd_core::{
 };
 use fd_model::Record;
 
-use super::{error::TrainingError, running::RunningBias, structure::DynIdentifier, train::Trained};
+use super::{
+    error::TrainingError, running::RunningBias, structure::DynIdentifier, trained::Trained,
+};
 use crate::spec::DetectorSpec;
 
 /// The residual generator alone.

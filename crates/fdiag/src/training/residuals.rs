@@ -3,13 +3,13 @@
 use fd_core::{Frame, stage::ResidualGenerator};
 use fd_model::{Channel, Record};
 
-use super::error::TrainingError;
+use super::{error::TrainingError, trace::LONGEST_GAP};
 
 /// Runs `generator` over `record` from rest and returns its residual with the inputs.
 ///
 /// The first `settle` samples, in which the generator forgets its initial state, are marked as
 /// missing, and so is every sample that is incomplete in the log; there the generator sees the
-/// last good values.
+/// last good values, and settles again after more than [`LONGEST_GAP`] of them.
 ///
 /// # Errors
 ///
@@ -32,13 +32,19 @@ pub fn residual_record(
     let (mut u, mut y) = (vec![0.0; io.nu], vec![0.0; io.ny]);
     let mut residual = vec![f64::NAN; record.len() * channels];
     let mut inputs = Vec::with_capacity(record.len() * io.nu);
+    let (mut settled, mut gap) = (settle, 0);
     for (k, r) in residual.chunks_exact_mut(channels).enumerate() {
         inputs.extend_from_slice(record.u(k));
         keep_finite(&mut u, record.u(k));
         keep_finite(&mut y, record.y(k));
         let frame = Frame::new(io, k as u64, &u, &y)?;
         generator.step(frame, r);
-        if k < settle || !record.is_complete(k) {
+        if !record.is_complete(k) {
+            gap += 1;
+        } else if LONGEST_GAP < std::mem::take(&mut gap) {
+            settled = k.saturating_add(settle);
+        }
+        if k < settled || 0 < gap {
             r.fill(f64::NAN);
         }
     }

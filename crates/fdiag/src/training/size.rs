@@ -3,7 +3,7 @@
 use fd_compensate::decide::{Hypothesis, SizedDebounce};
 use fd_core::stage::{DecisionRule, Evidence, Phase, Verdict};
 
-use super::{error::TrainingError, trace::Trace, train::Trained};
+use super::{error::TrainingError, trace::Trace, trained::Trained};
 use crate::spec::FaultSites;
 
 /// The size that a lasting fault of each output's sensor would have to explain the residual at the

@@ -2,12 +2,16 @@
 
 use fd_core::{
     DynPipeline, Event, FrameError,
-    stage::{Decision, Phase},
+    stage::{Decision, Phase, Stage},
 };
 use fd_model::Record;
 
-/// Signals and events of one log. All lists but `events` have one entry per sample, or one per
-/// sample and residual channel.
+/// Missing samples in a row after which a diagnosis begins anew: its generator has lost the plant, and what it says before it
+/// has settled again is no residual.
+pub const LONGEST_GAP: usize = 5;
+
+/// Signals and events of one log. All lists but `events` and `restarts` have one entry per sample of the log, or one per
+/// sample and residual channel; where a sample was refused the signals are NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Time in s.
@@ -30,8 +34,10 @@ pub struct Trace {
     pub void: Vec<bool>,
     /// What was decided.
     pub decision: Vec<Decision<f64>>,
-    /// What happened.
+    /// What happened, by samples of the log.
     pub events: Vec<Event>,
+    /// Samples of the log with which the diagnosis began anew.
+    pub restarts: Vec<usize>,
     /// Samples that were refused because they were missing for too long.
     pub refused: usize,
 }
@@ -39,24 +45,33 @@ pub struct Trace {
 impl Trace {
     /// Runs `pipeline` over `record`, from wherever the pipeline stands.
     ///
-    /// Samples that the pipeline refuses as missing are counted and left out.
+    /// Samples that the pipeline refuses as missing are counted and not judged; after more than [`LONGEST_GAP`] of them in
+    /// a row it begins anew, and settles.
     ///
     /// # Errors
     ///
     /// Returns an error when the log has other channels than the pipeline.
     pub fn of(pipeline: &mut DynPipeline, record: &Record) -> Result<Self, FrameError> {
-        let mut trace = Self::default();
+        let channels = pipeline.stages().generator.residual_len();
+        let mut trace = Self { channels, ..Self::default() };
+        let mut gap = 0;
         for (k, (u, y)) in record.samples().enumerate() {
+            trace.time.push(record.time(k));
+            let is_complete = u.iter().chain(y).all(|value| value.is_finite());
+            if is_complete && LONGEST_GAP < std::mem::take(&mut gap) {
+                pipeline.reset();
+                trace.restarts.push(k);
+            }
             let step = match pipeline.step(u, y) {
                 Ok(step) => step,
                 Err(FrameError::NonFinite { .. }) => {
                     trace.refused += 1;
+                    gap += 1;
+                    trace.miss();
                     continue;
                 }
                 Err(error) => return Err(error),
             };
-            trace.channels = step.residual.len();
-            trace.time.push(record.time(k));
             trace.residual.extend_from_slice(step.residual);
             trace.compensated.extend_from_slice(step.compensated);
             trace.compensating.push(step.phase == Phase::Compensating);
@@ -64,10 +79,23 @@ impl Trace {
             trace.threshold.push(step.verdict.threshold);
             trace.alarm.push(step.decision.is_fault());
             trace.decision.push(step.decision);
-            trace.events.extend(step.events.iter().map(|kind| Event { k: step.k, kind }));
+            trace.events.extend(step.events.iter().map(|kind| Event { k: k as u64, kind }));
             trace.void.push(pipeline.is_void());
         }
         Ok(trace)
+    }
+
+    /// A sample that nothing is known of.
+    fn miss(&mut self) {
+        let none = std::iter::repeat_n(f64::NAN, self.channels);
+        self.residual.extend(none.clone());
+        self.compensated.extend(none);
+        self.statistic.push(f64::NAN);
+        self.threshold.push(f64::NAN);
+        self.decision.push(Decision::Nominal);
+        for flags in [&mut self.compensating, &mut self.alarm, &mut self.void] {
+            flags.push(false);
+        }
     }
 
     /// Number of samples.

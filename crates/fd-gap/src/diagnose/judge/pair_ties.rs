@@ -1,6 +1,6 @@
 //! Which pairs are worth being called so, and which of them the log cannot tell apart.
 
-use super::{judged::NamedPairs, ties::MOST_RIVALS};
+use super::judged::NamedPairs;
 use crate::{
     diagnose::{
         result::{Pair, PairId},
@@ -73,7 +73,7 @@ fn are_tied(fitted: &mut [EffectSet], settings: &Settings) -> Vec<Tie> {
     let near = others.iter().zip(&mut ties[1..]).take_while(|(other, _)| {
         first.log_evidence - other.log_evidence < settings.bayes_factor.ln()
     });
-    for (EffectSet { fit: Fit { problem, minimum }, .. }, tie) in near.take(MOST_RIVALS) {
+    for (EffectSet { fit: Fit { problem, minimum }, .. }, tie) in near {
         if distance(truth, at, problem, minimum) < SEPARATED {
             *tie = Tie::Simulated;
         }

@@ -11,9 +11,6 @@ use crate::{
     evidence::{SEPARATED, distance},
 };
 
-/// Rivals that are refitted to the simulation of the best cause or pair.
-pub(super) const MOST_RIVALS: usize = 8;
-
 /// The causes that this log cannot tell from the first, and those that are nearly as probable but
 /// could be told apart. A cause of the measurement ties with none: it has no simulation of its own.
 pub(super) fn ties(causes: &[RankedCause], searched: &Searched<'_>, settings: &Settings) -> Ties {
@@ -30,7 +27,7 @@ pub(super) fn ties(causes: &[RankedCause], searched: &Searched<'_>, settings: &S
     let near = causes.iter().enumerate().skip(1).take_while(|(_, ranked)| {
         first.cause.log_evidence - ranked.cause.log_evidence < settings.bayes_factor.ln()
     });
-    for (place, ranked) in near.take(MOST_RIVALS) {
+    for (place, ranked) in near {
         let Some((problem, rival_at)) = fitted(ranked) else { continue };
         let cause = CauseId(place);
         let distance = distance(truth, at, problem, rival_at);

@@ -180,16 +180,16 @@ impl<'a> Look<'_, 'a> {
         let least = nth(settings.shortlist).max(least / MORE_THAN_PROMISED);
         let leading = nth(settings.finalists).max(least);
         monitor.begin(Stage::Fit, screened.len());
-        let fit = |Screened { candidate, index, scored, .. }: Screened<'a>, most: f64| {
+        let fit = |Screened { candidate, index, scored, .. }: Screened<'a>| {
             let mut trial = Trial { scored, ..self.trial(candidate, index)? };
-            trial.short_fits(self.null, self.around, most);
+            trial.first_fit(self.null, self.around);
             monitor.advance();
             let is_there = trial.best.is_some();
             if is_there { Ok(trial) } else { Err(diverges(candidate)) }
         };
         let (first, others): (Vec<_>, Vec<_>) =
             screened.into_iter().zip(promises).partition(|(_, promise)| leading <= *promise);
-        let mut trials = tested(each(first, |(one, _)| fit(one, nth(1))), not_tested);
+        let mut trials = tested(each(first, |(one, _)| fit(one)), not_tested);
         let best = trials.iter().map(Trial::cost).fold(self.null.minimum.cost, f64::min);
         let gained = self.null.minimum.cost - best;
         let is_from_here = is_of_the_fit(self.around, self.null);
@@ -199,7 +199,7 @@ impl<'a> Look<'_, 'a> {
                 let is_lost = one.scored.is_empty();
                 return Err((if is_lost { diverges } else { too_little })(one.candidate));
             }
-            fit(one, gained)
+            fit(one)
         });
         trials.extend(tested(others, not_tested));
         trials.sort_by_key(|trial| trial.index);

@@ -5,7 +5,7 @@ use fd_effect::EffectParameter;
 use super::{
     change::Change,
     command::Command,
-    trial::{SHORT_FITS, ScoredStart, Trial},
+    trial::{ScoredStart, Trial},
 };
 use crate::fit::{AT_A_TIME, NullFit, Surroundings};
 
@@ -55,7 +55,7 @@ impl Trial<'_> {
                 self.score(null, around, &near);
             }
         }
-        self.scored.truncate(SHORT_FITS);
+        self.scored.truncate(1);
     }
 
     /// Scores starts, and sorts all by what they could explain.
@@ -78,7 +78,7 @@ impl Trial<'_> {
             }
             self.scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             // What will not be fitted is not remembered.
-            let others = self.scored.iter_mut().skip(SHORT_FITS);
+            let others = self.scored.iter_mut().skip(1);
             others.for_each(|start| start.change = Change::default());
         }
         self.problem.go_on(false);

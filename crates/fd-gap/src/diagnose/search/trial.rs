@@ -10,23 +10,16 @@ use crate::{
     diagnose::prepare::step::with_step,
     fit::{
         FitError, LeastSquares, Minimum, NullFit, Problem, Score, Search, Surroundings, Variable,
-        Weights, minimise, minimise_all, promised,
+        Weights, minimise, promised,
     },
 };
 
-/// Starts of a candidate that get a short fit.
-pub(super) const SHORT_FITS: usize = 3;
 /// Iterations of a short fit.
 const SHORT: Search = Search { iterations: 3, absolute: 0.1, relative: 1e-4, ..Search::PLAIN };
 /// A fit to the end: what is left is a hundredth of a nat, or a part of the errors that decides nothing far above the noise.
 const FULL: Search = Search { iterations: 30, absolute: 1e-2, relative: 1e-5, ..Search::PLAIN };
 /// A short fit with all slopes.
 const AGAIN: Search = Search { iterations: 2, ..SHORT };
-/// Smallest amplitude to start from: at zero strength a shape cannot be fitted.
-const SMALLEST_AMPLITUDE: f64 = 0.1;
-/// Of a candidate, starts that promise less than this part of the most of all get no short fit, but for the best one.
-const HOPEFUL: f64 = 0.5;
-
 /// A candidate that promises less than this part of what the best one has gained is not fitted …
 const HOPELESS: f64 = 0.1;
 /// … if it is also so much less, in sums of squares.
@@ -111,17 +104,11 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// Fits the best starts a little; only one when no start could explain much of `most`, which
-    /// the best of all candidates could. Where runs are dear that is done to the end on the stand-in, which costs none,
+    /// Fits a little from the best start. Where runs are dear that is done to the end on the stand-in, which costs none,
     /// and one run shows what the simulator is there.
-    pub(in crate::diagnose) fn short_fits(
-        &mut self,
-        null: &NullFit,
-        around: &Surroundings<'_>,
-        most: f64,
-    ) {
+    pub(in crate::diagnose) fn first_fit(&mut self, null: &NullFit, around: &Surroundings<'_>) {
         if !self.problem.begins_on_stand_in() {
-            self.fit_starts(null, around, most);
+            self.fit_from_start(null, around);
             if self.best.is_none() {
                 self.fall_back(null);
             }
@@ -129,7 +116,7 @@ impl<'a> Trial<'a> {
         }
         let dear = self.problem.clone();
         self.problem = dear.clone().on_stand_in();
-        self.fit_starts(null, around, most);
+        self.fit_from_start(null, around);
         let found = match self.best.take() {
             Some(best) => minimise(&mut self.problem, &best.z, None, FULL).unwrap_or(best).z,
             None => self.problem.place(&null.minimum.z, &self.neutral()),
@@ -141,30 +128,17 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// A few iterations from the best start, and from others that promise as much as any candidate. From the nominal parameters
-    /// fits go too far for the slopes that the nuisances have there.
-    fn fit_starts(&mut self, null: &NullFit, around: &Surroundings<'_>, most: f64) {
-        let mut starts = self.scored.iter();
-        let best = starts.next().into_iter();
-        let hopeful = best.chain(starts.take_while(|start| HOPEFUL * most <= start.gain));
-        let places = hopeful.map(|ScoredStart { values, score, .. }| {
-            self.problem.place(&score.nuisances, &self.begun(values, score.amplitude))
-        });
-        let places: Vec<Vec<f64>> = places.collect();
+    /// A few iterations from the best start.
+    fn fit_from_start(&mut self, null: &NullFit, around: &Surroundings<'_>) {
+        let Some(ScoredStart { values, score, .. }) = self.scored.first() else { return };
+        let place = self.problem.place(&score.nuisances, &self.scaled(values, score.amplitude));
         let fitted = is_of_the_fit(around, null).then_some(around.at());
-        self.short_fit(fitted, &places, SHORT);
+        self.short_fit(fitted, &place, SHORT);
     }
 
-    /// Where a fit from a start begins: at the amplitude that the residual asks for.
-    pub(super) fn begun(&self, start: &[f64], amplitude: f64) -> Vec<f64> {
-        let is_small = amplitude.abs() < SMALLEST_AMPLITUDE;
-        let smallest = SMALLEST_AMPLITUDE.copysign(amplitude);
-        self.scaled(start, if is_small { smallest } else { amplitude })
-    }
-
-    /// A few iterations from each place, with the slopes of the nuisances as they are at a `base` without the effect, if any
+    /// A few iterations from a place, with the slopes of the nuisances as they are at a `base` without the effect, if any
     /// is near.
-    fn short_fit(&mut self, base: Option<&Minimum>, places: &[Vec<f64>], search: Search) {
+    fn short_fit(&mut self, base: Option<&Minimum>, place: &[f64], search: Search) {
         let shared = self.problem.plan().nuisances().len();
         let known = base.filter(|_| 0 < shared).map(|base| {
             let mut slopes = base.slopes.clone();
@@ -175,15 +149,14 @@ impl<'a> Trial<'a> {
         });
         let frozen = if known.is_some() { shared } else { 0 };
         let search = self.patient(Search { frozen, ..search });
-        for minimum in minimise_all(&mut self.problem, places, known.as_ref(), search) {
-            self.keep(minimum);
-        }
+        let minimum = minimise(&mut self.problem, place, known.as_ref(), search);
+        self.keep(minimum);
     }
 
     /// The same from values of the effect, where the nuisances are as they are without it.
     fn short_fit_from(&mut self, null: &NullFit, values: &[f64]) {
         let place = self.problem.place(&null.minimum.z, values);
-        self.short_fit(Some(&null.minimum), &[place], self.short());
+        self.short_fit(Some(&null.minimum), &place, self.short());
     }
 
     /// A search that is not more patient than runs are cheap.

@@ -11,9 +11,10 @@
 use std::f64::consts::PI;
 
 use super::{
+    colour::COLOURED,
     gaussian::{count, gaussian},
     known::slopes,
-    stronger_noise::{Known, WHITE},
+    stronger_noise::Known,
 };
 use crate::{
     evidence::{DECADES, NoisePrior, best_log_scale, grades::BEYOND_DOUBT},
@@ -148,7 +149,7 @@ impl Jitter {
         let left: Vec<Vec<f64>> = runs.iter().map(calm).collect();
         // A lag is wrong by the slope as well, but always the same way; a clock is late and early by chance.
         let even: Vec<&[f64]> = left.iter().map(Vec::as_slice).collect();
-        if Autoregression::fit(&even, Autoregression::HIGHEST_ORDER).innovation() < WHITE {
+        if Autoregression::fit(&even, Autoregression::HIGHEST_ORDER).innovation() < COLOURED {
             return None;
         }
         // What a model lacks grows with the slope as well, so that a jitter must be beyond doubt.

@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
-use super::gaussian::{count, gaussian};
+use super::{
+    colour::COLOURED,
+    gaussian::{count, gaussian},
+};
 use crate::{
     evidence::{DECADES, NoisePrior},
     quality::{Autoregression, HeavyTails, heavy_tails},
 };
 
-/// Least innovation of an autoregression of what may be stronger noise with which it is white.
-pub(super) const WHITE: f64 = 0.95;
 /// Degrees of freedom of heavy tails.
 const FREEDOMS: [f64; 4] = [3.0, 4.0, 6.0, 10.0];
 
@@ -52,7 +53,7 @@ pub(super) fn stronger(signals: &[Vec<f64>], prior: NoisePrior) -> Option<Strong
 /// with more on top of it that is not.
 fn is_slow(signals: &[Vec<f64>], prior: NoisePrior) -> bool {
     let slices: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
-    if WHITE <= Autoregression::fit(&slices, Autoregression::HIGHEST_ORDER).innovation() {
+    if COLOURED <= Autoregression::fit(&slices, Autoregression::HIGHEST_ORDER).innovation() {
         return false;
     }
     let expected = (prior.centre + prior.spread).exp();

@@ -4,7 +4,7 @@
 use fd_ident::arx::{ArxFit, ArxModel, ArxOrders, Start};
 use fd_model::{Channel, Record};
 
-use super::{Baseline, Bench};
+use super::bench::{Baseline, Bench};
 use crate::blind::error::BlindError;
 
 /// Orders among which the last third of the training run chooses.

@@ -8,7 +8,10 @@ use fd_sim::{
     simulate::EquationSimulator,
 };
 
-use super::{Baseline, Bench, parameters};
+use super::{
+    bench::parameters,
+    bench::{Baseline, Bench},
+};
 use crate::blind::error::BlindError;
 
 /// How much wider the tolerances are.

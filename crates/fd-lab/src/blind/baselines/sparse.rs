@@ -14,7 +14,7 @@ use fd_sim::{
     simulate::{EquationSimulator, Simulator},
 };
 
-use super::{Baseline, Bench};
+use super::bench::{Baseline, Bench};
 use crate::blind::error::BlindError;
 
 /// Half width of a parabola, in samples.

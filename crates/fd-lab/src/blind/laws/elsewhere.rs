@@ -1,6 +1,10 @@
 //! Laws of logs as people have them: parameters that walk, and signals inside the model.
 
-use super::{History, Law, Mechanism, Needs, Origin, Place, Setting, input::Lag};
+use super::{
+    input::Lag,
+    law::{History, Law, Mechanism, Needs, Place, Setting},
+    origin::Origin,
+};
 
 /// Points of the path of a parameter.
 const POINTS: usize = 400;

@@ -1,6 +1,9 @@
 //! Forces inside the plant, and errors of its parameters.
 
-use super::{Law, Mechanism, Needs, Origin, Place, Setting, Site};
+use super::{
+    law::{Law, Mechanism, Needs, Place, Setting, Site},
+    origin::Origin,
+};
 
 pub(super) fn force(law: impl Fn(&Site<'_>) -> f64 + Send + 'static) -> Mechanism {
     Mechanism::Force {

@@ -1,6 +1,9 @@
 //! What actuators do.
 
-use super::{Arriving, History, Law, Mechanism, Needs, Origin, Place, Setting};
+use super::{
+    law::{Arriving, History, Law, Mechanism, Needs, Place, Setting},
+    origin::Origin,
+};
 
 pub(super) fn input(law: impl FnMut(&Arriving<'_>) -> f64 + Send + 'static) -> Mechanism {
     Mechanism::Input(Box::new(law))

@@ -1,8 +1,9 @@
 //! What sensors do.
 
 use super::{
-    History, Law, Measured, Mechanism, Needs, Origin, Place, Setting,
     input::{Lag, Play},
+    law::{History, Law, Measured, Mechanism, Needs, Place, Setting},
+    origin::Origin,
 };
 
 pub(super) fn sensor(law: impl FnMut(&Measured<'_>) -> f64 + Send + 'static) -> Mechanism {

@@ -1,9 +1,10 @@
 //! Causes that no label of the library stands for.
 
 use super::{
-    History, Law, Mechanism, Needs, Origin, Place, Setting,
     force::{force, memory},
     input::{Lag, input},
+    law::{History, Law, Mechanism, Needs, Place, Setting},
+    origin::Origin,
     sensor::sensor,
 };
 

@@ -1,6 +1,9 @@
 //! Electric drives.
 
-use super::{Laws, Plant, parse};
+use super::{
+    equations::Laws,
+    plant::{Plant, parse},
+};
 use crate::blind::excitation::Drive;
 
 const MOTOR: &str = include_str!("../../../../../examples/models/dc_drive.toml");

@@ -1,7 +1,10 @@
 //! Plants of logs as people have them only: an integrator, two that are unstable, a curve between
 //! two filters.
 
-use super::{Laws, Plant, parse};
+use super::{
+    equations::Laws,
+    plant::{Plant, parse},
+};
 use crate::blind::excitation::Drive;
 
 const SERVO_FILE: &str = include_str!("servo.toml");

@@ -2,7 +2,7 @@
 
 use fd_jetengine::engine17::{Engine17, NX, Parameters};
 
-use super::{Physics, Plant, parse};
+use super::plant::{Physics, Plant, parse};
 use crate::blind::{error::BlindError, excitation::Drive};
 
 const MODEL: &str = include_str!("engine17.toml");

@@ -1,7 +1,7 @@
 //! Signals inside plants: what flows between two vessels, the torque in a shaft, what is between
 //! two filters. The model file has each as a definition; no sensor shows it.
 
-use super::{Plant, elsewhere, process};
+use super::{elsewhere, plant::Plant, process};
 
 /// A signal inside a plant, which enters the rates linearly.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Plants that an unknown controller drives: which output follows a reference, by which input, and
 //! how strongly a controller may act.
 
-use super::{Plant, drives, elsewhere, mechanics, process};
+use super::{drives, elsewhere, mechanics, plant::Plant, process};
 
 /// A plant with what a controller of it needs to know.
 #[derive(Clone, Copy)]

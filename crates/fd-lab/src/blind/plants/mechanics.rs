@@ -1,6 +1,9 @@
 //! Carriage, pendulum, crane and balanced pole.
 
-use super::{Laws, Plant, parse};
+use super::{
+    equations::Laws,
+    plant::{Plant, parse},
+};
 use crate::blind::excitation::Drive;
 
 const CRANE: &str = include_str!("../../../../../examples/models/cart_pole.toml");

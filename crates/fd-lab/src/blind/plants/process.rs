@@ -1,6 +1,9 @@
 //! Tanks, a mixer, and a linear engine.
 
-use super::{Laws, Plant, parse};
+use super::{
+    equations::Laws,
+    plant::{Plant, parse},
+};
 use crate::blind::excitation::Drive;
 
 const CASCADE: &str = include_str!("../../../../../examples/models/tanks.toml");

@@ -3,7 +3,11 @@
 use fd_numeric::{median, quantile};
 use serde::{Deserialize, Serialize};
 
-use super::{Calibration, FALSE_ABSTENTION, Rate, SURE, Verdict};
+use super::{
+    judge::Verdict,
+    statistics::{Calibration, Rate},
+    threshold::{FALSE_ABSTENTION, SURE},
+};
 use crate::blind::kind::CaseKind;
 
 /// Squares of the noise from which an effect beside others can be told from chance by one of a hundred candidates: twice

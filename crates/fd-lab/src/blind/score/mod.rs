@@ -4,6 +4,7 @@ mod classes;
 mod judge;
 mod report;
 mod statistics;
+mod threshold;
 
 use std::{fs, path::Path};
 
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use self::judge::judge;
+use self::threshold::{FALSE_ABSTENTION, SURE};
 pub use self::{
     classes::{ClassScore, Comparison},
     judge::{OfSeveral, Verdict},
@@ -30,12 +32,8 @@ use super::{
 };
 use fdiag::Watcher;
 
-/// Share of wrong abstentions at which "none of these" is counted.
-const FALSE_ABSTENTION: f64 = 0.03;
 /// Share of the cases for which precision is counted.
 const ANSWERED: f64 = 0.6;
-/// Probability from which an answer counts as sure.
-const SURE: f64 = 0.9;
 /// Squares of the noise from which effects are counted apart.
 const DISTANCES: [f64; 5] = [SEPARATED, 25.0, 62.0, 250.0, 2500.0];
 

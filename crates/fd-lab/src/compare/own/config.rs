@@ -2,24 +2,11 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use fd_core::{LimitError, Limits, Resource};
-use fd_model::{
-    ModelError, RecordError,
-    fault::FaultError,
-    signal::{SignalError, SignalSpec},
-};
-use fd_sim::simulate::SimulateError;
-use fdiag::{
-    nonlinear::NonlinearError,
-    spec::{GeneratorSpecError, ModelSource},
-};
+use fd_model::signal::SignalSpec;
+use fdiag::spec::ModelSource;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use crate::compare::{
-    config::CompareConfig,
-    fault::{ProfileKind, Sizes},
-};
+use crate::compare::fault::{ProfileKind, Sizes};
 
 /// A plant of one's own in place of the engine.
 ///
@@ -90,103 +77,4 @@ impl OwnPlant {
         self.model.begin_in(folder);
         self.plant.begin_in(folder);
     }
-
-    /// Returns the first setting that cannot be, before anything of its size is made.
-    pub(super) fn check(&self, config: &CompareConfig) -> Result<(), OwnError> {
-        let wrong = |setting, expected: &str, found: String| {
-            Err(OwnError::Setting { setting, expected: expected.to_owned(), found })
-        };
-        if self.faults.is_empty() {
-            return wrong("faults", "at least one", "none".to_owned());
-        }
-        for OwnFault { sizes, .. } in &self.faults {
-            if !sizes.are_possible() {
-                return wrong("faults.sizes", Sizes::POSSIBLE, sizes.to_string());
-            }
-        }
-        for (setting, seconds) in
-            [("before_s", self.before_s), ("settle_s", config.settle_s.unwrap_or(0.0))]
-        {
-            if !(seconds >= 0.0 && seconds.is_finite()) {
-                return wrong(setting, "finite and not negative", seconds.to_string());
-            }
-        }
-        for (setting, seconds) in [
-            ("training.duration_s", config.training.duration_s),
-            ("fresh.duration_s", config.duration_s()),
-        ] {
-            if seconds.is_nan() || seconds < config.sample_time_s {
-                return wrong(setting, "at least one sample", seconds.to_string());
-            }
-            let samples = (self.before_s + seconds) / config.sample_time_s;
-            Limits::default().check(Resource::Samples, setting, samples)?;
-        }
-        Ok(())
-    }
-}
-
-/// A plant of one's own cannot be set up or run.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum OwnError {
-    /// A file.
-    #[error(transparent)]
-    File(#[from] GeneratorSpecError),
-    /// A name that is not there, or a value that cannot be.
-    #[error("{setting}: expected {expected}, found `{found}`")]
-    Setting {
-        /// Where it was used.
-        setting: &'static str,
-        /// What it may be.
-        expected: String,
-        /// The name or value.
-        found: String,
-    },
-    /// Runs that are longer than a limit.
-    #[error(transparent)]
-    Limit(#[from] LimitError),
-    /// A signal that has to have a value has none, or one that cannot be.
-    #[error(
-        "{setting}: expected a value above zero for each state, input and output of the model, found {found} for `{name}`"
-    )]
-    Missing {
-        /// Which table.
-        setting: &'static str,
-        /// Of which signal.
-        name: String,
-        /// What was found.
-        found: String,
-    },
-    /// The model does not rest anywhere near.
-    #[error("at: the model finds no rest near its initial states with these inputs")]
-    NoRest,
-    /// The plant runs away.
-    #[error("the plant runs away {seconds} s after the start of a run")]
-    Diverged {
-        /// Since when.
-        seconds: f64,
-    },
-    /// A fault that was there before is for engines only.
-    #[error(
-        "present: expected none with a plant of one's own; give the plant a parameter or a signal instead"
-    )]
-    Present,
-    /// A simulation.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// A linearisation.
-    #[error(transparent)]
-    Nonlinear(#[from] NonlinearError),
-    /// A signal.
-    #[error(transparent)]
-    Signal(#[from] SignalError),
-    /// A fault.
-    #[error(transparent)]
-    Fault(#[from] FaultError),
-    /// A linear model or a sample time.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// A record.
-    #[error(transparent)]
-    Record(#[from] RecordError),
 }

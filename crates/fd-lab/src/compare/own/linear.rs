@@ -7,7 +7,7 @@ use fd_model::{Channel, ChannelScale, Discrete, SampleTime, Scaling, StateSpace}
 use fd_sim::{model::Model, simulate::StateMap};
 use fdiag::nonlinear::{OperatingPoint, StateEquations, linearise};
 
-use super::config::{OwnError, OwnPlant};
+use super::{config::OwnPlant, error::OwnError};
 
 /// Most steps of the search for the state at rest.
 const STEPS: usize = 50;

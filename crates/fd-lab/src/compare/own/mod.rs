@@ -9,8 +9,12 @@
 //! Not for plants whose structure changes at random: parameters are all that differs from one to the next.
 
 mod config;
+mod error;
 mod linear;
 mod plants;
 
-pub use self::config::{OwnError, OwnFault, OwnPlant};
 pub(crate) use self::plants::OwnPlants;
+pub use self::{
+    config::{OwnFault, OwnPlant},
+    error::OwnError,
+};

@@ -1,5 +1,6 @@
 //! Runs of plants of one's own.
 
+use fd_core::{Limits, Resource};
 use fd_model::{
     Channel, Discrete, Record, SampleTime, Scaling, StateSpace,
     fault::{FaultSpec, Site},
@@ -13,14 +14,15 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{
-    config::{OwnError, OwnFault, OwnPlant},
+    config::{OwnFault, OwnPlant},
+    error::OwnError,
     linear::{linear, unknown},
 };
 use crate::compare::{
     config::CompareConfig,
     error::CompareError,
-    fault::FaultKind,
-    scene::{Ask, Plants, Runs},
+    fault::{FaultKind, Sizes},
+    plants::{Ask, Plants, Runs},
 };
 
 /// Plants of one's own, ready to run.
@@ -45,6 +47,41 @@ pub(crate) struct OwnPlants<'a> {
 enum Column {
     Input(usize),
     Output(usize),
+}
+
+impl OwnPlant {
+    /// Returns the first setting that cannot be, before anything of its size is made.
+    fn check(&self, config: &CompareConfig) -> Result<(), OwnError> {
+        let wrong = |setting, expected: &str, found: String| {
+            Err(OwnError::Setting { setting, expected: expected.to_owned(), found })
+        };
+        if self.faults.is_empty() {
+            return wrong("faults", "at least one", "none".to_owned());
+        }
+        for OwnFault { sizes, .. } in &self.faults {
+            if !sizes.are_possible() {
+                return wrong("faults.sizes", Sizes::POSSIBLE, sizes.to_string());
+            }
+        }
+        for (setting, seconds) in
+            [("before_s", self.before_s), ("settle_s", config.settle_s.unwrap_or(0.0))]
+        {
+            if !(seconds >= 0.0 && seconds.is_finite()) {
+                return wrong(setting, "finite and not negative", seconds.to_string());
+            }
+        }
+        for (setting, seconds) in [
+            ("training.duration_s", config.training.duration_s),
+            ("fresh.duration_s", config.duration_s()),
+        ] {
+            if seconds.is_nan() || seconds < config.sample_time_s {
+                return wrong(setting, "at least one sample", seconds.to_string());
+            }
+            let samples = (self.before_s + seconds) / config.sample_time_s;
+            Limits::default().check(Resource::Samples, setting, samples)?;
+        }
+        Ok(())
+    }
 }
 
 impl<'a> OwnPlants<'a> {

@@ -5,7 +5,7 @@ use fd_model::Record;
 
 use crate::engine::{
     Benchmark, Case, Draw, EngineStudyError, Reality,
-    trial::{Draws, Logs},
+    logs::{Draws, Logs},
 };
 
 /// The same runs as if the engine were linear: outputs of the linear model, and the noise that was in each run. On them

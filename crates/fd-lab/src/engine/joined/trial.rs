@@ -10,7 +10,7 @@ use super::{
     exact::as_if_linear,
     scenario::{JoinedScenario, SCATTER},
 };
-use crate::engine::{Benchmark, EngineChoice, EngineStudyError, trial::Logs};
+use crate::engine::{Benchmark, EngineChoice, EngineStudyError, logs::Logs};
 
 /// Time in s of the training run that is diagnosed.
 const DIAGNOSED_S: f64 = 20.0;

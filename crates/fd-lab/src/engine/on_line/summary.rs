@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::trial::{Drift, InTraining, OnLine, Opened};
 use crate::{
     compare::Share,
-    engine::{study::Range, trial::Trial},
+    engine::{range::Range, trial::Trial},
 };
 
 /// Shares with their 95 % intervals, medians and ranges over the engines.

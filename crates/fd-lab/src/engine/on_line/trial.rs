@@ -13,7 +13,8 @@ use super::config::TrainingFault;
 use crate::engine::{
     benchmark::{Benchmark, Case, Draw},
     error::EngineStudyError,
-    trial::{Logs, Pair},
+    logs::Logs,
+    pair::Pair,
     watch::Watch,
 };
 

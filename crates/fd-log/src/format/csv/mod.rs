@@ -14,6 +14,7 @@ use self::{
     dialect::Dialect,
     head::{Head, LineCounter, Whole},
 };
+use super::bounded::check_columns;
 use crate::{
     date::{Dates, When},
     error::LogError,
@@ -60,7 +61,7 @@ impl<R: Read> CsvSource<R> {
         let line = head.block.split(|byte| *byte == b'\n').next().unwrap_or_default();
         // Of whatever separator.
         let most = b",;\t".map(|separator| line.split(|byte| *byte == separator).count());
-        super::check_columns(file, most.into_iter().max().unwrap_or(1))?;
+        check_columns(file, most.into_iter().max().unwrap_or(1))?;
         let dialect = Dialect::find(file, &head, map)?;
         let (bytes, lines) = dialect.skipped;
         head.block.drain(..bytes);

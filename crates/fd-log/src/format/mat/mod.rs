@@ -5,13 +5,19 @@
 //! of a struct are `log.u`. What has equally many rows is one table. Texts, cells, struct arrays, sparse matrices and
 //! objects (`table`, `timeseries`) are named and left: save them as plain vectors.
 
+mod damaged;
 mod element;
+mod name;
 mod numbers;
 mod v4;
 
 use std::{fs::File, io::Read};
 
-use self::element::{Element, Elements};
+use self::{
+    damaged::damaged,
+    element::{Element, Elements},
+    name::text,
+};
 use crate::{error::LogError, limit::Budget, recording::Recording};
 
 /// Text, where subsystem data begin, version, order of bytes.
@@ -177,14 +183,4 @@ impl Reader {
             values.map_err(|error| left.refused(error))
         })
     }
-}
-
-fn damaged(file: &str, found: &str) -> LogError {
-    LogError::Damaged { file: file.to_owned(), format: "MAT", found: found.to_owned() }
-}
-
-/// A name that is filled up with zeros.
-fn text(raw: &[u8]) -> String {
-    let end = raw.iter().position(|byte| *byte == 0).unwrap_or(raw.len());
-    String::from_utf8_lossy(&raw[..end]).into_owned()
 }

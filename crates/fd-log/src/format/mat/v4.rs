@@ -5,7 +5,7 @@
 //! each variable is a column under its name, with the unit that stands at the end of its description. Where an event
 //! has two rows of the same time, the later one counts. Variables that never change have no column.
 
-use super::{damaged, numbers};
+use super::{damaged::damaged, name::text, numbers};
 use crate::{
     error::LogError,
     format::number::Number,
@@ -91,7 +91,7 @@ impl Matrix {
         let size = |at: usize| usize::try_from(word(at, is_big)).unwrap_or(usize::MAX);
         let (rows, columns, is_complex, length) = (size(1), size(2), size(3), size(4));
         let (name, rest) = rest.split_at_checked(length).ok_or_else(cut)?;
-        let name = super::text(name);
+        let name = text(name);
         let cells = rows.checked_mul(columns).ok_or_else(cut)?;
         let bytes = cells.checked_mul(number.bytes).ok_or_else(cut)?;
         let parts = if is_complex == 0 { 1 } else { 2 };
@@ -135,7 +135,7 @@ impl Matrix {
             let cell = if is_transposed { line * self.rows + k } else { line + k * self.rows };
             values.get(cell).map_or(0, |letter| *letter as u8)
         };
-        let line = |line: usize| super::text(&(0..length).map(|k| at(line, k)).collect::<Vec<_>>());
+        let line = |line: usize| text(&(0..length).map(|k| at(line, k)).collect::<Vec<_>>());
         (0..lines).map(|n| line(n).trim_end().to_owned()).collect()
     }
 

@@ -97,8 +97,15 @@ fn values<'a>(topic: &'a Topic, name: &str) -> Option<&'a [f64]> {
     topic.values.get(index).map(Vec::as_slice)
 }
 
+/// Reads a file as one table; in a dataset of `LeRobot`, with the names and the pace that the dataset states.
+pub(in super::super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
+    let mut recording = read_plain(file, from, &mut Budget::new(file), &mut |_| true)?;
+    name_columns(&mut recording)?;
+    Ok(recording)
+}
+
 /// Gives a file of a dataset the names and the pace of its dataset; any other file stays as it is.
-pub(super) fn name_columns(recording: &mut Recording) -> Result<(), LogError> {
+fn name_columns(recording: &mut Recording) -> Result<(), LogError> {
     // DATASET/data/chunk-000/episode_000000.parquet
     if let Some(folder) = Path::new(&recording.file).ancestors().nth(3)
         && let Some(info) = Info::read(folder)?

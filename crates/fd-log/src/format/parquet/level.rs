@@ -1,5 +1,8 @@
 //! From definition and repetition levels (Melnik et al. 2010, Dremel) to rows.
 
+/// Most columns that lists may become.
+pub(super) const MOST_COLUMNS: usize = 4096;
+
 /// One column of a file as it grows: a number per row, or a list of numbers per row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Leaf {
@@ -53,7 +56,7 @@ impl Leaf {
                     self.columns.resize_with(place + 1, Vec::new);
                 }
                 let Some(row) = self.rows.checked_sub(1) else { continue };
-                if self.columns.len() > super::MOST_COLUMNS {
+                if self.columns.len() > MOST_COLUMNS {
                     break;
                 }
                 // What was not there until now has no value.

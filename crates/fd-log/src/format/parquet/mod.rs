@@ -21,8 +21,8 @@ use parquet::{
     schema::types::ColumnDescriptor,
 };
 
-pub(super) use self::lerobot::{is_dataset, read_dataset};
-use self::level::Leaf;
+pub(super) use self::lerobot::{is_dataset, read, read_dataset};
+use self::level::{Leaf, MOST_COLUMNS};
 use crate::{
     error::LogError,
     header::HeaderColumn,
@@ -32,15 +32,6 @@ use crate::{
 
 /// Rows that are decoded at a time.
 const BATCH: usize = 1 << 14;
-/// Most columns that lists may become.
-const MOST_COLUMNS: usize = 4096;
-
-/// Reads a file as one table; in a dataset of `LeRobot`, with the names and the pace that the dataset states.
-pub(super) fn read(file: &str, from: File) -> Result<Recording, LogError> {
-    let mut recording = read_plain(file, from, &mut Budget::new(file), &mut |_| true)?;
-    lerobot::name_columns(&mut recording)?;
-    Ok(recording)
-}
 
 /// Reads the columns of a file whose names are asked for.
 fn read_plain(
@@ -53,8 +44,8 @@ fn read_plain(
         |found: String| LogError::Damaged { file: file.to_owned(), format: "Parquet", found };
     // What the crate does with a damaged file is an error for all that was tried; should it ever panic
     // instead, that is an error of this file too. Nothing outlives the call.
-    let read = catch_unwind(AssertUnwindSafe(|| read_columns(file, from, left, wanted)));
-    match read {
+    let columns = catch_unwind(AssertUnwindSafe(|| read_columns(file, from, left, wanted)));
+    match columns {
         Ok(Ok(recording)) => Ok(recording),
         Ok(Err(Failed::Parquet(error))) => Err(damaged(format!("found: {error}"))),
         Ok(Err(Failed::Log(error))) => Err(error),

@@ -2,13 +2,13 @@
 
 use fd_model::{is_plain, unit::turn};
 
-use super::{
-    super::{
-        draft::{Draft, Law, State},
-        error::{Mistake, ModelError},
-    },
-    Checked,
+use super::super::{
+    draft::{Draft, Law, State},
+    error::{Mistake, ModelError},
 };
+
+/// Whether it is as it should be.
+pub(super) type Checked = Result<(), ModelError>;
 
 pub(super) fn check(draft: &Draft) -> Checked {
     positive("sample_time", "the sample time in seconds", Some(draft.sample_time))?;

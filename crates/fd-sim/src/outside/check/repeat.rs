@@ -1,6 +1,6 @@
 //! Whether runs that should be the same are, and what is still where they are not.
 
-use super::{super::simulator::Spread, Bench, Grade, ROUNDING, TRIAL, apart};
+use super::{super::spread::Spread, Bench, Grade, ROUNDING, TRIAL, apart};
 use crate::simulate::Run;
 
 /// Spread in parts of an output up to which a diagnosis is worth its runs.

@@ -10,16 +10,26 @@ use tempfile::TempDir;
 
 use super::{
     super::{
-        contract::{Contract, Entry, Stated},
+        contract::Contract,
         error::OutsideError,
         leftovers,
         powers::Powers,
+        stated::{Entry, Stated},
     },
     archive,
     description::{Description, Variable, Version},
-    fault,
-    instance::References,
+    fault::fault,
 };
+
+/// References of the variables of a contract, in its order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct References {
+    /// Inputs, then ports.
+    pub inputs: Vec<u32>,
+    pub outputs: Vec<u32>,
+    pub parameters: Vec<u32>,
+    pub states: Vec<u32>,
+}
 
 /// An FMU on the disk, with the meaning that its user gives to its variables.
 #[derive(Debug)]

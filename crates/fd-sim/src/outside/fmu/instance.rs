@@ -5,30 +5,21 @@ use std::sync::{Arc, atomic::Ordering::Relaxed};
 #[cfg(unix)]
 use super::{
     super::process::{tell, tell_in_case_of_an_end},
-    ENDS, LEAVES,
+    loaded::{ENDS, LEAVES},
 };
 use super::{
     super::{
         error::OutsideError,
         source::{Instance, Lost, Start},
     },
-    Loaded,
     api::{Component, Failure},
-    fault,
+    described::References,
+    fault::fault,
+    loaded::Loaded,
 };
 
 /// After so many runs a new instance is made: some leak at every reset.
 const RUNS: u32 = 500;
-
-/// References of the variables of a contract, in its order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct References {
-    /// Inputs, then ports.
-    pub inputs: Vec<u32>,
-    pub outputs: Vec<u32>,
-    pub parameters: Vec<u32>,
-    pub states: Vec<u32>,
-}
 
 /// Where a run begins, and the bits of what can be seen there.
 #[derive(Clone, Debug, PartialEq, Eq)]

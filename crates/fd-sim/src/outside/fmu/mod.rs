@@ -17,9 +17,11 @@ mod api;
 mod archive;
 mod described;
 mod description;
+mod fault;
 #[cfg(unix)]
 mod hosted;
 mod instance;
+mod loaded;
 #[cfg(unix)]
 mod serve;
 
@@ -35,53 +37,26 @@ pub(super) use self::described::Described;
 #[cfg(unix)]
 pub(super) use self::hosted::{HostedFmu, host};
 use self::{
-    api::{Api, Component},
+    api::Api,
     description::{Description, Variable, Version},
+    fault::fault,
     instance::FmuInstance,
+    loaded::{LEAVES, Loaded},
 };
 #[cfg(unix)]
 pub use self::{hosted::host_fmus, serve::serve_fmu};
 use super::{
-    contract::{Contract, Stated},
+    contract::Contract,
     error::OutsideError,
     programs,
     source::{Instance, Source},
+    stated::Stated,
 };
-
-/// What is told of resets.
-const LEAVES: &str = "its reset says that it is done and leaves something of the run before: each run has a fresh \
-                      instance, as with `[powers] resets = false`";
-#[cfg(unix)]
-const ENDS: &str = "its process has ended when it was reset: each run has a fresh instance, as with `[powers] resets = \
-                    false`";
 
 /// An FMU, unpacked and loaded, with the meaning that its user gives to its variables.
 #[derive(Clone, Debug)]
 pub struct Fmu {
     loaded: Arc<Loaded>,
-}
-
-/// What is on the disk, and in memory.
-#[derive(Debug)]
-struct Loaded {
-    /// Before the directory, so that the library is unloaded first.
-    api: Arc<Api>,
-    /// Variables that show where a run begins: outputs and locals.
-    visible: Vec<u32>,
-    /// Whether its reset is said, or was seen, to leave something of the run before: then each run has an instance of its
-    /// own.
-    keeps_runs: AtomicBool,
-    /// Whether this process is its own: what is found out is told to who has started it.
-    is_alone: bool,
-    resources: String,
-    described: Described,
-}
-
-impl Loaded {
-    fn component(&self) -> Result<Component, String> {
-        let Description { name, token, .. } = &self.described.description;
-        Component::new(&self.api, [name, token, &self.resources])
-    }
 }
 
 /// References of what a run shows, each once.
@@ -162,14 +137,5 @@ impl Source for Fmu {
     fn note(&self) -> Option<String> {
         let keeps = self.loaded.keeps_runs.load(Relaxed) && self.contract().powers.resets;
         keeps.then(|| LEAVES.to_owned())
-    }
-}
-
-fn fault(file: &str, what: &str, expected: &str, found: &str) -> OutsideError {
-    OutsideError::Fmu {
-        file: file.to_owned(),
-        what: what.to_owned(),
-        expected: expected.to_owned(),
-        found: found.to_owned(),
     }
 }

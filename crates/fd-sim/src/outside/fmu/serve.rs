@@ -4,15 +4,15 @@ use std::{io, path::Path};
 
 use super::{
     super::{
-        contract::Stated,
         error::OutsideError,
         process::{Widths, answer, greet, heard, own_streams},
         programs,
         source::{Instance, Source},
+        stated::Stated,
     },
     Fmu,
     described::Described,
-    fault,
+    fault::fault,
 };
 
 /// Serves an FMU on standard input and output, for whoever speaks the protocol of programs, until that one says goodbye or

@@ -17,8 +17,8 @@ use rustix::{
 
 use super::{
     super::{error::OutsideError, leftovers, lock::open, programs},
-    Process,
     note::{Lines, Note, is_note},
+    program::Process,
 };
 
 /// Longest line of a hello, in bytes.

@@ -1,5 +1,8 @@
 //! Frames: `u32 op, u32 lanes, u32 count, f64...`, little endian.
 
+/// Version of the protocol that this program speaks.
+pub const PROTOCOL_VERSION: u32 = 1;
+
 /// What a frame is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]

@@ -3,12 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    super::{
-        contract::{Contract, Stated},
-        error::OutsideError,
-    },
-    PROTOCOL_VERSION, Process,
+    super::{contract::Contract, error::OutsideError, stated::Stated},
     child::{Child, brief},
+    frame::PROTOCOL_VERSION,
+    program::Process,
 };
 
 /// What this program says.

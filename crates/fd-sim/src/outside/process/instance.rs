@@ -6,12 +6,12 @@ use super::{
     super::{
         contract::Contract,
         error::OutsideError,
-        source::{Instance, Lane, Lost, Start, by_lanes, by_steps},
+        source::{Instance, Lane, Lost, Source, Start, by_lanes, by_steps},
     },
-    Process,
     child::Child,
     frame::{self, HEAD, Op, REFUSED, begin, put},
     hello::hello,
+    program::Process,
 };
 
 /// How long a process may take to hear that it is over.
@@ -177,4 +177,25 @@ impl Drop for ProcessInstance {
 
 fn gone(error: OutsideError) -> Lost {
     Lost::Gone(Box::new(error))
+}
+
+impl Process {
+    /// Starts it once and asks what it is.
+    ///
+    /// # Errors
+    ///
+    /// Returns why it cannot be started, or what is wrong with its hello.
+    pub fn contract(&self) -> Result<Contract, OutsideError> {
+        Ok(ProcessInstance::open(self)?.1)
+    }
+}
+
+impl Source for Process {
+    fn open(&self) -> Result<Box<dyn Instance>, OutsideError> {
+        Ok(Box::new(ProcessInstance::open(self)?.0))
+    }
+
+    fn note(&self) -> Option<String> {
+        self.note.get()
+    }
 }

@@ -4,13 +4,12 @@ use std::io::{BufRead, Error, ErrorKind, Read, Result, Write};
 
 use super::{
     super::{
-        contract::{Entry, Stated},
         error::OutsideError,
         powers::Powers,
         source::{Instance, Lost, Start},
+        stated::{Entry, Stated},
     },
-    PROTOCOL_VERSION,
-    frame::{self, HEAD, Op, begin, put},
+    frame::{self, HEAD, Op, PROTOCOL_VERSION, begin, put},
 };
 use crate::simulate::Simulator;
 

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::{EquationSimulator, engine::Engine, system::System};
+use super::{engine::Engine, system::System};
 use crate::{
     equation::{Lanes, Value},
-    simulate::run::{Run, one_by_one, rows},
+    simulate::run::{Run, rows},
 };
 
 /// Most runs side by side: two of the widest registers, so that neither waits for the other.
-const WIDEST: usize = 16;
+pub(super) const WIDEST: usize = 16;
 /// Runs side by side when there are no more than that …
 const WIDE: usize = 8;
 /// … and no more than that.
@@ -23,16 +23,19 @@ pub(super) struct Many {
     narrow: Option<Box<Engine<Lanes<NARROW>>>>,
 }
 
-impl EquationSimulator<f64> {
-    pub(super) fn run_in_lanes(&mut self, first: u64, u: &[f64], runs: &mut [Run<'_>]) {
-        for some in runs.chunks_mut(WIDEST) {
-            let (system, many) = (&self.engine.system, &mut self.many);
-            match some.len() {
-                1 => one_by_one(self, first, u, some),
-                2..=NARROW => run(engine(&mut many.narrow, system), first, u, some),
-                ..=WIDE => run(engine(&mut many.wide, system), first, u, some),
-                _ => run(engine(&mut many.widest, system), first, u, some),
-            }
+impl Many {
+    /// Makes at most [`WIDEST`] runs.
+    pub(super) fn run(
+        &mut self,
+        system: &Arc<System>,
+        first: u64,
+        u: &[f64],
+        runs: &mut [Run<'_>],
+    ) {
+        match runs.len() {
+            1..=NARROW => run(engine(&mut self.narrow, system), first, u, runs),
+            ..=WIDE => run(engine(&mut self.wide, system), first, u, runs),
+            _ => run(engine(&mut self.widest, system), first, u, runs),
         }
     }
 }

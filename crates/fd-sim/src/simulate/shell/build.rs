@@ -1,6 +1,6 @@
 //! The model of a shell.
 
-use super::Names;
+use super::names::Names;
 use crate::{
     equation::{Expr, is_name},
     model::{Definition, Draft, Input, Law, Model, ModelError, Output, Parameter, Site, State},

@@ -26,6 +26,8 @@
 mod around;
 mod build;
 mod lane;
+mod names;
+mod nominal;
 mod part;
 mod prune;
 mod row;
@@ -38,12 +40,11 @@ use std::sync::Arc;
 use fd_model::{SampleTime, nearest};
 
 pub use self::run::ShellSimulator;
-use self::{build::build, wiring::Wiring};
-use super::{NativeEffect, Nominal, SimulateError, Simulator};
+use self::{build::build, names::Names, wiring::Wiring};
+use super::{NativeEffect, SimulateError, Simulator};
 use crate::{
     equation::Expr,
     model::{Mistake, Model, ModelError, Site},
-    scales::ReplayScales,
 };
 
 /// A simulator of which only inputs, outputs, exposed parameters and force ports are known, to be
@@ -81,21 +82,6 @@ pub struct Shell {
     names: Names,
     /// What lends its slopes to fits of the simulator.
     stand_in: Option<Arc<Shell>>,
-}
-
-/// Names of the model of a shell, in the order of the simulator inside.
-#[derive(Clone, Debug, Default)]
-struct Names {
-    /// Raw outputs, as inputs.
-    raw: Vec<String>,
-    /// States that integrate inputs.
-    integrals: Vec<String>,
-    /// Definitions that hand on parameters.
-    handed_on: Vec<String>,
-    /// Definitions that keep native effects at rest, and at which values: theirs are the last of `handed_on`.
-    resting: Vec<(String, f64)>,
-    /// States that integrate forces.
-    impulses: Vec<String>,
 }
 
 impl Shell {
@@ -219,31 +205,4 @@ fn place(room: &str, name: &str, known: &[&str]) -> Result<usize, ModelError> {
         let nearest = nearest(name, known.iter().copied());
         ModelError::new(room, Mistake::UnknownName { name: name.to_owned(), nearest })
     })
-}
-
-impl Nominal for Shell {
-    fn model(&self) -> &Model {
-        &self.model
-    }
-
-    fn patched(&self, model: &Model, ts: SampleTime) -> Result<Box<dyn Simulator>, SimulateError> {
-        let wiring = Wiring::new(model, &self.names)?;
-        let simulator = ShellSimulator::new(self.inside.boxed(), model, &wiring, ts)?;
-        let stand_in = self.stand_in.as_ref().map(|shell| shell.patched_with_row(model, ts));
-        Ok(Box::new(simulator.with_stand_in(stand_in.transpose()?)))
-    }
-
-    fn keeps_step(&self) -> bool {
-        true
-    }
-
-    fn scales(
-        &self,
-        ts: SampleTime,
-        u: &[f64],
-        samples: usize,
-    ) -> Result<ReplayScales, SimulateError> {
-        let simulator = self.simulator(ts)?;
-        Ok(scales::measure(self, simulator, u, samples))
-    }
 }

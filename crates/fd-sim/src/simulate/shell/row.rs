@@ -2,7 +2,7 @@
 
 use fd_model::SampleTime;
 
-use super::{Names, Shell, ShellSimulator, wiring::Wiring};
+use super::{Shell, ShellSimulator, names::Names, wiring::Wiring};
 use crate::{
     equation::Expr,
     model::{Input, Law, Model, ModelError, State},

@@ -14,7 +14,7 @@ use crate::{
     model::{Model, Parameter},
     simulate::{
         Driven as DrivenLane, Initial, Outcome, Port, Run, Settled, SimulateError, Simulator, Tape,
-        run::{as_tapes, step_through},
+        as_tapes, one_by_one::step_through,
     },
     stand_in::Driven,
 };

@@ -1,7 +1,7 @@
 //! The work of a patched shell before and after a step of the simulator inside.
 
 use super::{
-    Names,
+    names::Names,
     prune::{is_held, prune},
 };
 use crate::{

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "mqtt")]
 mod brokers;
+#[cfg(feature = "mqtt")]
+mod deliveries;
 mod failures;
 mod feed;
 #[cfg(feature = "mqtt")]
@@ -47,7 +49,7 @@ use super::{
     args_watch::{StreamFormat, WatchArgs},
     bounds,
     failure::{ExitCode, Failure},
-    given,
+    given::given,
     say::{is_watched, remark},
 };
 

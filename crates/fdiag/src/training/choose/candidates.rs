@@ -7,7 +7,7 @@ use crate::{
     spec::{LearningSpec, StructureSpec},
     training::{
         error::TrainingError,
-        learn::{Search, fit},
+        fit::{Search, fit},
         structure::Structure,
     },
 };

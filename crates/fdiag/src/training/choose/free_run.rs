@@ -16,7 +16,7 @@ use crate::{
     training::{
         bias::LearnedBias,
         error::TrainingError,
-        learn::{Search, fit},
+        fit::{Search, fit},
         structure::Structure,
     },
 };

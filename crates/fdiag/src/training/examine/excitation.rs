@@ -4,8 +4,8 @@ use faer::Mat;
 use fd_model::Record;
 use fd_numeric::dense::DenseReal;
 
-use super::Doubt;
-use crate::training::train::{Healthy, Trained};
+use super::doubt::Doubt;
+use crate::training::{healthy::Healthy, trained::Trained};
 
 /// Least singular value of the lagged input, relative to the largest, that counts as a way to move.
 const LEAST: f64 = 1e-2;

@@ -15,7 +15,7 @@ use fd_sim::{
 };
 use fdiag::gap_study::follow;
 
-use super::Verdict;
+use super::verdict::Verdict;
 use crate::blind::{
     answer::Answer,
     error::BlindError,

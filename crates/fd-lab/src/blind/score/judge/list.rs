@@ -1,8 +1,10 @@
 //! Several effects at once: which of them are named, and which of them the log holds at all.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Verdict, is_exact, left, said::said_of, sought};
+use super::{
+    cause::{is_exact, left, sought},
+    said::said_of,
+    verdict::{OfSeveral, Verdict},
+};
 use crate::blind::{
     answer::{Answer, Named},
     error::BlindError,
@@ -11,16 +13,6 @@ use crate::blind::{
     oracle::SEPARATED,
     truth::{Effect, Truth},
 };
-
-/// One of several effects.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct OfSeveral {
-    /// Squares of the noise that all the others leave of the noise-free log, with parameters refitted, at most: what the
-    /// log holds of this one.
-    pub worth: f64,
-    /// Whether it is named, label and site.
-    pub is_named: bool,
-}
 
 /// Whether all effects are named, or causes that no log could tell from them together.
 pub(super) fn judge_list(

@@ -20,47 +20,20 @@
 //! this FMU alone, where that can be had (`host_fmus`).
 #![allow(unsafe_code, reason = "functions of a C library")]
 
+mod raw;
 mod three;
 mod two;
 
 use std::{
-    ffi::{CStr, CString, c_char, c_int, c_void},
+    ffi::{CStr, CString, c_char, c_int},
     path::Path,
     sync::{Arc, Mutex},
 };
 
 use libloading::Library;
 
-use self::{three::Three, two::Two};
+use self::{raw::Handle, three::Three, two::Two};
 use super::{super::lock::open, description::Version};
-
-type Handle = *mut c_void;
-
-/// Copies the function of a name out of a library.
-macro_rules! symbol {
-    ($library:expr, $name:literal) => {
-        *$library.get($name).map_err(|error| error.to_string())?
-    };
-}
-use symbol;
-
-/// Keeps the last message that is no praise.
-///
-/// # Safety
-///
-/// The environment is null or the `Mutex` of the component that calls, which outlives it; the message is null or ends
-/// with a null character. Both are so by the standard.
-unsafe fn keep(environment: *mut c_void, status: c_int, message: *const c_char) {
-    if environment.is_null() || message.is_null() || status == 0 {
-        return;
-    }
-    // SAFETY: as the caller promises; the message is copied.
-    let (last, text) = unsafe {
-        let last = &*environment.cast::<Mutex<String>>();
-        (last, CStr::from_ptr(message).to_string_lossy().into_owned())
-    };
-    *open(last) = text;
-}
 
 /// How a call ended.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use std::{
 
 use libloading::Library;
 
-use super::{Handle, keep, symbol};
+use super::raw::{Handle, keep, symbol};
 
 /// `fmi3LogMessageCallback`.
 type Log = extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);

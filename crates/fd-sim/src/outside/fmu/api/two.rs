@@ -7,7 +7,7 @@ use std::{
 
 use libloading::Library;
 
-use super::{Handle, keep, symbol};
+use super::raw::{Handle, keep, symbol};
 
 type Instantiate = unsafe extern "C" fn(
     *const c_char,

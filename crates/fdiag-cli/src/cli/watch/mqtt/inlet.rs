@@ -16,26 +16,14 @@ use rumqttc::{
 use super::{
     super::{super::failure::Failure, feed::Chunk},
     Broker, Patience,
-    backlog::{Admitted, Backlog},
+    backlog::Backlog,
+    delivery::{Delivery, Receipt},
 };
 
 /// Messages that may wait: beyond them the broker has to.
 const WAITING: usize = 1000;
 /// Receipts on their way to the broker: a session has no more message numbers.
 const RECEIPTS: usize = 1 << 17;
-
-/// Says to the broker that a message may be forgotten.
-pub(in super::super) struct Receipt {
-    client: Client,
-    message: Publish,
-}
-
-impl Receipt {
-    /// Hands it over. Over a connection that broke meanwhile it is not sent: the broker delivers the message again.
-    pub(in super::super) fn sign(self) {
-        let _ = self.client.try_ack(&self.message);
-    }
-}
 
 /// What is wanted of a broker.
 #[derive(Clone, Debug)]
@@ -141,18 +129,4 @@ impl Inlet {
         };
         sender.send(chunk).is_ok()
     }
-}
-
-/// A message of a broker.
-pub(in super::super) struct Delivery {
-    /// The unit that its topic names, if topics do.
-    pub unit: Option<String>,
-    /// Lines of samples.
-    pub payload: Vec<u8>,
-    /// When it came.
-    pub read: Instant,
-    /// To be signed when the samples are safe; none where nobody waits for one.
-    pub receipt: Option<Receipt>,
-    /// Its place among those that wait.
-    pub room: Admitted,
 }

@@ -5,6 +5,7 @@
 //! acknowledged, so what it does not hear while it is away it hears later.
 
 mod backlog;
+mod delivery;
 mod inlet;
 mod outlet;
 mod questions;
@@ -18,7 +19,8 @@ use fdiag::model::file::read_text;
 use rumqttc::MqttOptions;
 
 pub(super) use self::{
-    inlet::{Delivery, Inlet, Receipt},
+    delivery::{Delivery, Receipt},
+    inlet::Inlet,
     outlet::Outlet,
     questions::Questions,
 };
